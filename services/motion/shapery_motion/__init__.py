@@ -1,0 +1,1 @@
+"""Compression of mesh sequences by clusters of local transformations."""

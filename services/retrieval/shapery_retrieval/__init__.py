@@ -1,0 +1,1 @@
+"""Shape indexing and retrieval by attributed relational graphs."""

@@ -1,0 +1,1 @@
+"""Surfaces of tumors and vessels from volumes, by deformable meshes."""

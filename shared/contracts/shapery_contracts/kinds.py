@@ -1,0 +1,90 @@
+"""The job kinds: what each takes, how it is set, what it gives, and where it runs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from pydantic import BaseModel
+
+from shapery_contracts.errors import InvalidInput
+from shapery_contracts.formats import AssetKind
+from shapery_contracts.segmentation import SegmentationParams, SegmentationResult
+
+
+@dataclass(frozen=True, slots=True)
+class InputSpec:
+    """One named input of a job kind."""
+
+    kinds: frozenset[AssetKind]
+    description: str
+    required: bool = True
+    many: bool = False
+    """Whether several assets may be given, which are staged together in one folder (a DICOM series)."""
+
+
+@dataclass(frozen=True, slots=True)
+class JobKind:
+    """One kind of job."""
+
+    name: str
+    service: str
+    """The service whose worker runs it; also the name of its queue."""
+    summary: str
+    inputs: Mapping[str, InputSpec]
+    params: type[BaseModel]
+    result: type[BaseModel]
+    time_limit: float = 3600.0
+    """Seconds of wall time after which a job fails; a setting may override it."""
+    memory_limit: int = 8 << 30
+    """Bytes of resident memory above which a job fails; a setting may override it."""
+    stages: tuple[str, ...] = field(default=())
+    """Names of the stages in their order, so that a viewer can draw the path ahead."""
+
+
+SERVICES = ("segmentation", "retrieval", "motion")
+"""Each has a queue and a worker image of its own."""
+
+JOB_KINDS: dict[str, JobKind] = {}
+"""All job kinds by name. A plugin (setting ``SHAPERY_PLUGINS``) may add its own with `register_kind`."""
+
+
+def register_kind(kind: JobKind) -> None:
+    """Add a job kind; its name must be new."""
+    if kind.name in JOB_KINDS:
+        raise ValueError(f"job kind {kind.name!r} is registered twice")
+    JOB_KINDS[kind.name] = kind
+
+
+def get_kind(name: str) -> JobKind:
+    """Return the kind called `name`.
+
+    Raises
+    ------
+    InvalidInput
+        ``unknown_job_kind``, with the kinds there are.
+    """
+    try:
+        return JOB_KINDS[name]
+    except KeyError:
+        known = ", ".join(sorted(JOB_KINDS))
+        raise InvalidInput("unknown_job_kind", f"There is no job kind {name!r}.", f"Known kinds: {known}.") from None
+
+
+_VOLUME = frozenset({AssetKind.VOLUME})
+
+register_kind(
+    JobKind(
+        name="segmentation",
+        service="segmentation",
+        summary="Recover the surface of an enhancing brain tumor from T1 volumes before and after contrast.",
+        inputs={
+            "post": InputSpec(_VOLUME, "The volume after contrast (T1c); results lie on its grid.", many=True),
+            "pre": InputSpec(_VOLUME, "The volume before contrast (T1).", required=False, many=True),
+        },
+        params=SegmentationParams,
+        result=SegmentationResult,
+        time_limit=1800.0,
+        stages=("read", "calibrate", "seed", "evolve", "label", "write"),
+    )
+)

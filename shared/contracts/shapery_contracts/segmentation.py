@@ -1,0 +1,78 @@
+"""Parameters and result of the ``segmentation`` kind (chapter 3 of the method)."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Point = Annotated[list[float], Field(min_length=3, max_length=3)]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+
+
+class SegmentationParams(BaseModel):
+    """How to segment; every default is chosen so that two volumes alone suffice."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    seeds: Annotated[list[Point], Field(max_length=64)] = []
+    """Points in RAS mm to start from; none: seeds are found automatically."""
+    max_objects: Annotated[int, Field(ge=1, le=64)] = 8
+    """How many objects may be reported at the most."""
+    topology: Literal["preserve", "adaptive"] = "preserve"
+    """Whether the surface keeps the genus of its seed, or may merge and split."""
+    edge_length: Positive | None = None
+    """Target edge length of the final mesh in mm; by default chosen from the voxel spacing."""
+    smoothing: Annotated[float, Field(ge=0, le=1)] = 0.12
+    """Weight of the mean-curvature term in each step."""
+    random_seed: Annotated[int, Field(ge=0, le=2**32 - 1)] = 0
+    """Seed of the only random generator."""
+
+
+class SegmentedObject(BaseModel):
+    """One recovered object."""
+
+    label: int
+    """The object's number, from 1, in the order of falling confidence; also in its surface's file name."""
+    seed: Point
+    """Where it was started, RAS mm."""
+    seeded_by: Literal["automatic", "user"]
+    confidence: float
+    """In [0, 1]: how sure it is that this is an enhancing tumor."""
+    volume_mm3: float
+    """Volume inside the surface of the enhancing part (label 1)."""
+    core_volume_mm3: float
+    """Volume of the core: the enhancing part and what it encloses (labels 1 and 2)."""
+    area_mm2: float
+    centroid: Point
+    vertices: int
+    faces: int
+    closed: bool
+    genus: int
+    self_intersections: int
+    """Pairs of faces that intersect; 0 for every surface we give out."""
+    threshold: float
+    """The running threshold at the end, in units of the calibrated difference."""
+    iterations: int
+    converged: bool
+    surface: str
+    """Name of the artifact with this object's surface."""
+
+
+class StageTime(BaseModel):
+    """How long one stage took."""
+
+    name: str
+    seconds: float
+
+
+class SegmentationResult(BaseModel):
+    """What ``report.json`` holds and the API returns."""
+
+    objects: list[SegmentedObject]
+    voxel_counts: dict[str, int]
+    """Voxels per label of ``labels.nii.gz``: 1 object, 2 enclosed, 3 vessel, 4 microhemorrhage."""
+    voxel_volume_mm3: float
+    stages: list[StageTime]
+    versions: dict[str, str]
+    warnings: list[str] = []

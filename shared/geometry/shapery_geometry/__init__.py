@@ -1,0 +1,1 @@
+"""Volumes and triangle meshes: readers, writers, operators and metrics."""

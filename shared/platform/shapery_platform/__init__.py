@@ -1,0 +1,1 @@
+"""Settings, database, object storage, jobs and queue of the Shapery platform."""
