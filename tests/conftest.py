@@ -1,0 +1,19 @@
+"""Fixtures that every test folder shares."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+@pytest.fixture(scope="session")
+def shared_data() -> Path:
+    """The folder of real volumes, meshes and motions beside the checkout; `SHAPERY_TEST_DATA` names another place."""
+    folder = Path(os.environ.get("SHAPERY_TEST_DATA", ROOT.parent / "shared" / "data"))
+    if not folder.is_dir():
+        pytest.skip("real data is not beside this checkout (set SHAPERY_TEST_DATA to its folder)")
+    return folder
