@@ -1,0 +1,69 @@
+"""Loops of `shapery_geometry.resampling`. One pass over the target, no array of coordinates."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+Array = npt.NDArray[Any]
+FloatArray = npt.NDArray[np.float64]
+
+
+@njit(cache=True, nogil=True)
+def linear(data: Array, matrix: FloatArray, offset: FloatArray, out: Array, fill: float) -> None:
+    """Write into `out` the trilinear value of `data` at ``matrix @ (i, j, k) + offset``, `fill` outside.
+
+    Non-finite corners carry no weight; where they would carry more than half of it, `fill` is written.
+    """
+    nx, ny, nz = data.shape
+    for i in range(out.shape[0]):
+        for j in range(out.shape[1]):
+            for k in range(out.shape[2]):
+                x = matrix[0, 0] * i + matrix[0, 1] * j + matrix[0, 2] * k + offset[0]
+                y = matrix[1, 0] * i + matrix[1, 1] * j + matrix[1, 2] * k + offset[1]
+                z = matrix[2, 0] * i + matrix[2, 1] * j + matrix[2, 2] * k + offset[2]
+                if not (-0.5 <= x <= nx - 0.5 and -0.5 <= y <= ny - 0.5 and -0.5 <= z <= nz - 0.5):
+                    out[i, j, k] = fill
+                    continue
+                x = min(max(x, 0.0), nx - 1.0)
+                y = min(max(y, 0.0), ny - 1.0)
+                z = min(max(z, 0.0), nz - 1.0)
+                x0 = min(int(x), max(nx - 2, 0))
+                y0 = min(int(y), max(ny - 2, 0))
+                z0 = min(int(z), max(nz - 2, 0))
+                total = 0.0
+                weight = 0.0
+                for a in range(min(2, nx)):
+                    wx = x - x0 if a == 1 else 1.0 - (x - x0)
+                    for b in range(min(2, ny)):
+                        wy = y - y0 if b == 1 else 1.0 - (y - y0)
+                        for c in range(min(2, nz)):
+                            w = wx * wy * (z - z0 if c == 1 else 1.0 - (z - z0))
+                            value = float(data[x0 + a, y0 + b, z0 + c])
+                            if w > 0.0 and np.isfinite(value):
+                                total += w * value
+                                weight += w
+                out[i, j, k] = total / weight if weight >= 0.5 else fill
+
+
+@njit(cache=True, nogil=True)
+def nearest(data: Array, matrix: FloatArray, offset: FloatArray, out: Array, fill: float) -> None:
+    """Write into `out` the voxel of `data` nearest to ``matrix @ (i, j, k) + offset``, `fill` outside."""
+    nx, ny, nz = data.shape
+    for i in range(out.shape[0]):
+        for j in range(out.shape[1]):
+            for k in range(out.shape[2]):
+                x = matrix[0, 0] * i + matrix[0, 1] * j + matrix[0, 2] * k + offset[0]
+                y = matrix[1, 0] * i + matrix[1, 1] * j + matrix[1, 2] * k + offset[1]
+                z = matrix[2, 0] * i + matrix[2, 1] * j + matrix[2, 2] * k + offset[2]
+                if not (-0.5 <= x <= nx - 0.5 and -0.5 <= y <= ny - 0.5 and -0.5 <= z <= nz - 0.5):
+                    out[i, j, k] = fill
+                    continue
+                out[i, j, k] = data[
+                    min(max(int(np.floor(x + 0.5)), 0), nx - 1),
+                    min(max(int(np.floor(y + 0.5)), 0), ny - 1),
+                    min(max(int(np.floor(z + 0.5)), 0), nz - 1),
+                ]
