@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
 
 
 @njit(cache=True, nogil=True)
-def _side(ax, ay, bx, by, px, py):
+def _side(ax: int, ay: int, bx: int, by: int, px: int, py: int) -> int:
     """Return on which side of the line from a to b the point p lies: 1 left, −1 right; never 0 for a ≠ b.
 
     Integers, exact. A point on the line is taken to be p + (ε, ε²): the determinant's derivatives decide.
@@ -25,7 +30,7 @@ def _side(ax, ay, bx, by, px, py):
 
 
 @njit(cache=True, nogil=True)
-def add_crossings(fixed, height, faces, bits, low, winding):
+def add_crossings(fixed: Array, height: Array, faces: Array, bits: int, low: Array, winding: Array) -> None:
     """Add to `winding` (a, b, c + 1) the sign of every crossing of a face with a column, at the voxel behind it.
 
     Parameters
@@ -73,7 +78,7 @@ def add_crossings(fixed, height, faces, bits, low, winding):
 
 
 @njit(cache=True, nogil=True)
-def fill(winding, mask):
+def fill(winding: Array, mask: Array) -> None:
     """Sum the crossings from the far end of each column and write where the sum is not zero."""
     na, nb, nc = mask.shape
     for i in range(na):

@@ -113,10 +113,8 @@ def mask_metrics(
         hd = max(float(to_b.max()), float(to_a.max()))
     else:
         assd = hd95 = hd = float("nan") if count_a == count_b else float("inf")
-    if count_a == count_b:
-        difference = 0.0
-    else:
-        difference = (count_a - count_b) / count_b if count_b else float("inf")
+    change = count_a - count_b
+    difference = change / count_b if count_b else (float("inf") if change else 0.0)
     return MaskMetrics(
         iou=intersection_over_union(a, b),
         dice=dice(a, b),
