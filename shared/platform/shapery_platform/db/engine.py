@@ -107,7 +107,8 @@ def alembic_config(connection: Connection) -> Any:
 def database_now(session: Session) -> datetime:
     """Return the time by which leases are judged: PostgreSQL's, so that hosts whose clocks differ agree."""
     if session.get_bind().dialect.name == "postgresql":
-        return session.execute(select(func.clock_timestamp())).scalar_one().astimezone(UTC)
+        now: datetime = session.execute(select(func.clock_timestamp())).scalar_one()
+        return now.astimezone(UTC)
     return datetime.now(UTC)
 
 

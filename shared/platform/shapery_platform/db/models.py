@@ -210,6 +210,9 @@ class Job(Base):
     state: Mapped[JobState] = mapped_column(default=JobState.QUEUED)
     attempt: Mapped[int] = mapped_column(Integer, default=0)
     """How often it was claimed since it was created or retried."""
+    max_attempts: Mapped[int] = mapped_column(Integer)
+    result_ttl: Mapped[float] = mapped_column(Float)
+    """Seconds that result and artifacts stay; as was promised when the job was created."""
     lease: Mapped[UUID | None]
     """Token of the worker that has it; whoever holds another may not write."""
     worker_id: Mapped[str | None] = mapped_column(String(200))

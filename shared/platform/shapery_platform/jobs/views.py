@@ -1,0 +1,117 @@
+"""Reading jobs: one, a page of them, their events and artifacts."""
+
+from __future__ import annotations
+
+from urllib.parse import quote
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from shapery_contracts.api import ArtifactView, JobErrorView, JobEvent, JobView
+from shapery_contracts.errors import InvalidInput
+from shapery_contracts.states import JobState
+from shapery_platform.db.models import Job, JobArtifact
+from shapery_platform.db.repositories import jobs as repository
+from shapery_platform.paging import checked_limit, cut_page, parse_cursor
+
+
+def get(session: Session, owner: str, job_id: UUID) -> Job:
+    """Return a job of this owner, as it is now; raises ``not_found``."""
+    job = repository.find(session, owner, job_id)
+    if job is None:
+        raise not_found(job_id)
+    return job
+
+
+def list_jobs(
+    session: Session,
+    owner: str,
+    cursor: str | None = None,
+    limit: int = 50,
+    state: JobState | None = None,
+    kind: str | None = None,
+    batch_id: UUID | None = None,
+) -> tuple[list[Job], str | None]:
+    """Return a page of jobs, the newest first, and the cursor of the next one."""
+    limit = checked_limit(limit)
+    rows = repository.page(session, owner, parse_cursor(cursor), limit + 1, state=state, kind=kind, batch_id=batch_id)
+    return cut_page(rows, limit, lambda job: job.id)
+
+
+def view(job: Job) -> JobView:
+    """Return the representation that the API shows."""
+    inputs: dict[str, list[UUID]] = {}
+    for entry in job.inputs:
+        inputs.setdefault(entry.name, []).append(entry.asset_id)
+    error = None
+    if job.error_code is not None:
+        error = JobErrorView(code=job.error_code, message=job.error_message or "", hint=job.error_hint or "")
+    return JobView(
+        id=job.id,
+        kind=job.kind,
+        state=job.state,
+        inputs=inputs,
+        params=job.params,
+        stage=job.stage,
+        fraction=job.fraction,
+        message=job.message,
+        attempt=job.attempt,
+        error=error,
+        result=job.result,
+        artifacts=[
+            ArtifactView(
+                name=entry.name,
+                size=entry.size,
+                sha256=entry.sha256,
+                media_type=entry.media_type,
+                url=f"/v1/jobs/{job.id}/artifacts/{quote(entry.name)}",
+            )
+            for entry in job.artifacts
+        ],
+        batch_id=job.batch_id,
+        created_at=job.created_at,
+        started_at=job.started_at,
+        finished_at=job.finished_at,
+        expires_at=job.expires_at,
+        expired=job.expired,
+    )
+
+
+def artifact(session: Session, owner: str, job_id: UUID, name: str) -> JobArtifact:
+    """Return one artifact of a job; raises ``not_found``, or ``gone`` where it has expired."""
+    found = repository.find_artifact(session, owner, job_id, name)
+    if found is not None:
+        return found
+    job = get(session, owner, job_id)
+    if job.expired:
+        raise InvalidInput(
+            "gone",
+            f"The results of job {job_id} expired at {job.expires_at:%Y-%m-%d %H:%M} UTC.",
+            "Create the job again to compute them anew.",
+        )
+    raise InvalidInput("not_found", f"The job {job_id} has no artifact {name!r}.")
+
+
+def events_after(session: Session, owner: str, job_id: UUID, seq: int = 0, limit: int = 500) -> list[JobEvent]:
+    """Return the events of a job with a number above `seq`, at most `limit`.
+
+    The number of an event never changes, but progress that was overtaken within its stage is not kept.
+    """
+    return [
+        JobEvent(
+            seq=event.seq,
+            type="state" if event.type == "state" else "progress",
+            job_id=job_id,
+            state=event.state,
+            stage=event.stage,
+            fraction=event.fraction,
+            message=event.message,
+            at=event.at,
+        )
+        for event in repository.events_after(session, owner, job_id, seq, limit)
+    ]
+
+
+def not_found(job_id: UUID) -> InvalidInput:
+    """Return the error for a job that does not exist for this owner."""
+    return InvalidInput("not_found", f"There is no job {job_id}.")

@@ -1,0 +1,234 @@
+"""The object store: what the platform asks of a local folder and of S3 alike."""
+
+from __future__ import annotations
+
+import io
+import os
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, BinaryIO, Self
+from urllib.parse import unquote, urlsplit
+
+from shapery_platform.storage.content import CHUNK, Pin, StoredBlob
+
+if TYPE_CHECKING:
+    from shapery_platform.db import Database
+    from shapery_platform.settings import Settings
+
+TEMPORARY = "tmp/"
+"""Prefix of what is being written and has no name yet."""
+STAGING = "staging/"
+"""Prefix of uploads that are not finished."""
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectEntry:
+    """One object of a listing."""
+
+    key: str
+    size: int
+    modified: datetime
+
+
+class BlobWriter(ABC):
+    """Bytes on their way into the store whose hash is not known yet.
+
+    Nothing is visible under a content address before `finish`; leaving the ``with`` block without it discards them.
+    """
+
+    @property
+    @abstractmethod
+    def size(self) -> int:
+        """Bytes written so far."""
+
+    @abstractmethod
+    def write(self, data: bytes | memoryview) -> None:
+        """Append `data`; raises ``storage_full`` when the disk is nearly full."""
+
+    @abstractmethod
+    def finish(self) -> StoredBlob:
+        """Publish the bytes under their hash, atomically, unless they are there already."""
+
+    @abstractmethod
+    def discard(self) -> None:
+        """Forget the bytes. Harmless after `finish`."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.discard()
+
+
+class ObjectStore(ABC):
+    """Objects by key. Blobs live under the key that their hash gives (`object_key`)."""
+
+    pin: Pin | None = None
+
+    @classmethod
+    def from_settings(cls, settings: Settings, database: Database | None = None) -> ObjectStore:
+        """Open the store that `settings.storage_url` names.
+
+        Parameters
+        ----------
+        settings
+            Address, credentials and the space to be left free.
+        database
+            Where blobs are pinned before they are published. A process that publishes blobs must give it.
+        """
+        parts = urlsplit(settings.storage_url)
+        store: ObjectStore
+        if parts.scheme == "file":
+            from shapery_platform.storage.local import LocalStore
+
+            store = LocalStore(Path(unquote(parts.path)), min_free_bytes=settings.min_free_bytes)
+        else:
+            from shapery_platform.storage.s3 import S3Store
+
+            store = S3Store(
+                parts.netloc,
+                parts.path.strip("/"),
+                endpoint=settings.s3_endpoint,
+                region=settings.s3_region,
+                access_key=settings.s3_access_key,
+                secret_key=settings.s3_secret_key.get_secret_value() if settings.s3_secret_key else None,
+            )
+        if database is not None:
+            from shapery_platform.blobs import pinner
+
+            store.pin = pinner(database)
+        return store
+
+    @abstractmethod
+    def writer(self, expected: int | None = None) -> BlobWriter:
+        """Begin a blob; `expected` bytes, where known, must have room."""
+
+    def put_bytes(self, data: bytes) -> StoredBlob:
+        """Store a small blob."""
+        with self.writer(len(data)) as writer:
+            writer.write(data)
+            return writer.finish()
+
+    def put_blob(self, chunks: Iterable[bytes], expected: int | None = None) -> StoredBlob:
+        """Store a blob that comes in chunks."""
+        with self.writer(expected) as writer:
+            for chunk in chunks:
+                writer.write(chunk)
+            return writer.finish()
+
+    @abstractmethod
+    def put_file(self, path: Path, *, move: bool = False) -> StoredBlob:
+        """Store the file at `path` as a blob; with `move` the file may be taken instead of copied."""
+
+    @abstractmethod
+    def put_stream(self, key: str, chunks: Iterable[bytes]) -> int:
+        """Store `chunks` under `key`, replacing what is there, and return their number of bytes."""
+
+    @abstractmethod
+    def create(self, key: str, data: bytes) -> bool:
+        """Store `data` under `key` if nothing is there; tell whether it was stored."""
+
+    @abstractmethod
+    def size(self, key: str) -> int | None:
+        """Return the number of bytes under `key`, or None where nothing is."""
+
+    def exists(self, key: str) -> bool:
+        """Tell whether something is stored under `key`."""
+        return self.size(key) is not None
+
+    @abstractmethod
+    def open_read(self, key: str) -> BinaryIO:
+        """Open an object for seeking and reading, with a bounded buffer.
+
+        Raises
+        ------
+        StoredObjectMissing
+            Where nothing is stored under `key`.
+        """
+
+    @abstractmethod
+    def iter_range(self, key: str, start: int = 0, stop: int | None = None) -> Iterator[bytes]:
+        """Yield the bytes from `start` up to `stop` in chunks; a missing object raises at once."""
+
+    @abstractmethod
+    def download(self, key: str, path: Path) -> int:
+        """Write an object to the file `path`, which appears complete or not at all; return its size."""
+
+    @abstractmethod
+    def delete(self, key: str) -> None:
+        """Remove an object; one that is not there is no error."""
+
+    @abstractmethod
+    def list(self, prefix: str = "") -> Iterator[ObjectEntry]:
+        """Yield the objects whose key begins with the folder `prefix`."""
+
+    @abstractmethod
+    def free_bytes(self) -> int | None:
+        """Return the space left, or None where it is not limited by a disk of ours."""
+
+    @abstractmethod
+    def ensure_room(self, needed: int) -> None:
+        """Raise ``storage_full`` unless `needed` more bytes leave the reserve free."""
+
+    @abstractmethod
+    def ping(self) -> None:
+        """Ask the store a question; raises if it does not answer."""
+
+    @abstractmethod
+    def sweep_temporary(self, older_than: float) -> int:
+        """Remove what writers left behind that died more than `older_than` seconds ago; return how many."""
+
+    def _pin(self, sha256: str, size: int) -> None:
+        if self.pin is not None:
+            self.pin(sha256, size)
+
+
+def file_chunks(stream: BinaryIO, size: int = CHUNK) -> Iterator[bytes]:
+    """Yield a file in chunks."""
+    while chunk := stream.read(size):
+        yield chunk
+
+
+class RangeReader(io.RawIOBase):
+    """A seekable file over something that reads ranges."""
+
+    def __init__(self, read_range: Any, size: int) -> None:
+        self._read_range = read_range
+        self._size = size
+        self._position = 0
+
+    def readable(self) -> bool:
+        """Yes."""
+        return True
+
+    def seekable(self) -> bool:
+        """Yes."""
+        return True
+
+    def tell(self) -> int:
+        """Return the position."""
+        return self._position
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        """Move; before the beginning is an error, beyond the end is not."""
+        base = {os.SEEK_SET: 0, os.SEEK_CUR: self._position, os.SEEK_END: self._size}[whence]
+        if base + offset < 0:
+            raise OSError(22, "a position before the beginning")
+        self._position = base + offset
+        return self._position
+
+    def readinto(self, buffer: Any) -> int:
+        """Read up to the length of `buffer`."""
+        length = min(len(buffer), max(0, self._size - self._position))
+        if length == 0:
+            return 0
+        data = self._read_range(self._position, self._position + length)
+        buffer[: len(data)] = data
+        self._position += len(data)
+        return len(data)
