@@ -1,4 +1,4 @@
-"""``python -m demo``: start the platform, recover a tumor over HTTP, compare it with the truth, leave the dashboard open."""
+"""``python -m demo``: start the platform, recover a tumor over HTTP, and leave the dashboard open."""
 
 from __future__ import annotations
 
