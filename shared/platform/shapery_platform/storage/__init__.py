@@ -6,14 +6,17 @@ from shapery_platform.storage.content import (
     StoredObjectMissing,
     object_key,
 )
+from shapery_platform.storage.staging import StagedPart, UploadStaging
 from shapery_platform.storage.store import BlobWriter, ObjectEntry, ObjectStore
 
 __all__ = [
     "BlobWriter",
     "ObjectEntry",
     "ObjectStore",
+    "StagedPart",
     "StagingLost",
     "StoredBlob",
     "StoredObjectMissing",
+    "UploadStaging",
     "object_key",
 ]
