@@ -1,0 +1,1 @@
+"""The whole platform as processes of one supervisor, on one machine: what ``shapery up`` runs."""
