@@ -93,6 +93,8 @@ class Settings(BaseSettings):
     """Address under which people reach the server, where a proxy stands before it."""
     auth: Literal["local", "keys"] | None = None
     """``local``: whoever reaches the loopback address is the owner; ``keys``: API keys. None: that of the profile."""
+    cors_origins: Annotated[list[str], NoDecode] = []
+    """Origins (``https://lab.example``) whose pages may use the API from a browser; none but our own by default."""
     bootstrap_admin_key: SecretStr | None = None
     """The first administrator's key of a new installation."""
 
@@ -129,7 +131,7 @@ class Settings(BaseSettings):
     plugins: Annotated[list[str], NoDecode] = []
     """Modules imported at the start of every process; each may register job kinds and handlers."""
 
-    @field_validator("plugins", mode="before")
+    @field_validator("plugins", "cors_origins", mode="before")
     @classmethod
     def _split_commas(cls, value: Any) -> Any:
         if isinstance(value, str):

@@ -31,8 +31,9 @@ _log = logging.getLogger(__name__)
 CHECKSUM_ALGORITHMS = ("sha1", "sha256", "md5")
 """As tus names them in ``Tus-Checksum-Algorithm``."""
 
-_LEASE = timedelta(seconds=60)
-_RENEW_EVERY = timedelta(seconds=15)
+_LEASE = timedelta(seconds=10)
+"""So long an upload stays locked after the process that was writing died; who writes on renews it."""
+_RENEW_EVERY = timedelta(seconds=3)
 _SETTLE_EVERY = 64 << 20
 """Bytes after which the row is advanced within a long request, so that little is sent again after a crash."""
 
