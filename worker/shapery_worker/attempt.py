@@ -21,7 +21,7 @@ from uuid import UUID
 from celery import Celery
 from sqlalchemy.exc import SQLAlchemyError
 
-from shapery_contracts.errors import UserError
+from shapery_contracts.errors import ShaperyError, UserError
 from shapery_contracts.handler import AnyHandler
 from shapery_contracts.kinds import get_kind
 from shapery_contracts.states import JobState
@@ -94,6 +94,8 @@ def run_job(runtime: Runtime, job_id: UUID) -> JobState | None:
     attempt = Attempt(runtime, job)
     try:
         state = attempt.run()
+    except ShaperyError as error:
+        state = attempt.give_back(str(error))
     except Exception:
         # Not the handler's: our own staging, publishing or folder. Whatever it was, the job must not be left behind.
         logger.exception("%s: the attempt broke", label)

@@ -13,11 +13,12 @@ import logging
 import mmap
 import os
 import sys
+import warnings
 from typing import Any
 from uuid import UUID
 
 from celery import signals
-from celery.exceptions import Reject
+from celery.exceptions import Reject, SecurityWarning
 
 from shapery_platform.queue import TASK_NAME, make_celery
 from shapery_platform.settings import load_plugins, load_settings
@@ -102,6 +103,8 @@ def main(arguments: list[str] | None = None) -> int:
     signals.worker_shutting_down.connect(ask_children_to_stop)
     signals.worker_ready.connect(announce)
 
+    # It warns of running as root because of pickled messages, of which this platform accepts none.
+    warnings.simplefilter("ignore", SecurityWarning)
     celery.conf.update(worker_redirect_stdouts=False, worker_proc_alive_timeout=60.0)
     gc.collect()
     gc.freeze()  # collections in the children would otherwise write to, and so copy, all that they share

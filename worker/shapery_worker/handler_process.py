@@ -217,7 +217,8 @@ def run_handler(
         return Broken(reason="The handler ran out of memory.")
     except (Exception, SystemExit, KeyboardInterrupt) as error:
         traceback.print_exc()
-        return Broken(reason=f"The handler raised {type(error).__name__}: {error}"[:500])
+        first_line = str(error).partition("\n")[0]
+        return Broken(reason=f"The handler raised {type(error).__name__}: {first_line}"[:500])
 
 
 def _detach(parent: int, keep: tuple[int, ...], niceness: int) -> None:
