@@ -1,0 +1,1 @@
+"""Assets: files addressed by their content."""

@@ -1,0 +1,1 @@
+"""Jobs: their state, progress and results."""

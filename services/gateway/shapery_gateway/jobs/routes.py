@@ -1,0 +1,156 @@
+"""``/v1/jobs``."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+from uuid import UUID
+
+from anyio.to_thread import run_sync
+from fastapi import APIRouter, Body, Query, Request, Response
+
+from shapery_contracts.api import JobCreate, JobView, Page
+from shapery_contracts.states import JobState
+from shapery_gateway.dependencies import BackendDep, Cursor, Limit, Reader, ReadSession, Writer, WriteSession
+from shapery_gateway.http.content import content_response
+from shapery_gateway.http.documentation import (
+    CONTENT_PARAMETERS,
+    CONTENT_PROBLEMS,
+    CONTENT_RESPONSES,
+    event_stream,
+)
+from shapery_gateway.http.events import EventStreamResponse
+from shapery_gateway.http.parameters import IdempotencyKey, LastEvent
+from shapery_gateway.jobs import service
+from shapery_gateway.openapi import COMMON_PROBLEMS, problems
+
+router = APIRouter(prefix="/v1/jobs", tags=["jobs"])
+
+_LOCATION: dict[str, Any] = {"Location": {"description": "The job's address.", "schema": {"type": "string"}}}
+_EXAMPLES: Any = {
+    "segmentation": {
+        "summary": "Segment a tumor from two volumes",
+        "value": {
+            "kind": "segmentation",
+            "inputs": {
+                "post": "01890a5d-ac96-774b-bcce-b302099a8057",
+                "pre": "01890a5d-ac96-774b-bcce-b302099a8058",
+            },
+            "params": {},
+        },
+    }
+}
+CREATION_PROBLEMS = (
+    "bad_request",
+    "not_found",
+    "idempotency_conflict",
+    "request_too_large",
+    "validation_failed",
+    "unknown_job_kind",
+    "invalid_params",
+    "missing_input",
+    "wrong_input_kind",
+)
+
+
+@router.post(
+    "",
+    operation_id="createJob",
+    summary="Ask for a job",
+    status_code=202,
+    responses={202: {"headers": _LOCATION}, **problems(*COMMON_PROBLEMS, *CREATION_PROBLEMS)},
+)
+def create_job(
+    backend: BackendDep,
+    session: WriteSession,
+    caller: Writer,
+    request: Annotated[JobCreate, Body(openapi_examples=_EXAMPLES)],
+    response: Response,
+    idempotency_key: IdempotencyKey = None,
+) -> JobView:
+    """The job is queued and can be followed at once. With an `Idempotency-Key` a repeated request makes no second."""
+    job = service.create(session, backend, caller, request, idempotency_key)
+    response.headers["Location"] = f"/v1/jobs/{job.id}"
+    return job
+
+
+@router.get("", operation_id="listJobs", summary="List your jobs", responses=problems(*COMMON_PROBLEMS))
+def list_jobs(
+    session: ReadSession,
+    caller: Reader,
+    cursor: Cursor = None,
+    limit: Limit = 50,
+    state: Annotated[JobState | None, Query(description="Only jobs in this state.")] = None,
+    kind: Annotated[
+        str | None, Query(max_length=64, pattern=r"^[a-z0-9-]+$", description="Only jobs of this kind.")
+    ] = None,
+    batch_id: Annotated[UUID | None, Query(description="Only jobs of this batch.")] = None,
+) -> Page[JobView]:
+    """Newest first."""
+    return service.list_jobs(session, caller, cursor, limit, state, kind, batch_id)
+
+
+@router.get(
+    "/{job_id}", operation_id="getJob", summary="How a job is", responses=problems(*COMMON_PROBLEMS, "not_found")
+)
+def get_job(session: ReadSession, caller: Reader, job_id: UUID) -> JobView:
+    """State, progress, result and artifacts of a job, or why it failed."""
+    return service.get(session, caller, job_id)
+
+
+@router.get(
+    "/{job_id}/events",
+    operation_id="streamJobEvents",
+    summary="Follow a job",
+    response_class=Response,
+    responses={
+        **event_stream(
+            "Server-sent events: `id` is the sequence number, `event` is `state` or `progress`, `data` a `JobEvent`. "
+            "The stream ends with the event of a terminal state."
+        ),
+        **problems(*COMMON_PROBLEMS, "not_found"),
+    },
+)
+async def stream_job_events(backend: BackendDep, caller: Reader, job_id: UUID, after: LastEvent) -> Response:
+    """Everything that happened after the event that `Last-Event-ID` (or `after`) names, then what happens.
+
+    A comment comes every 15 seconds in which nothing does.
+    """
+    if await run_sync(service.events_are_over, backend, caller, job_id, after):
+        return Response(status_code=204)
+    return EventStreamResponse(backend.job_events.stream(job_id, after))
+
+
+@router.post(
+    "/{job_id}/cancel",
+    operation_id="cancelJob",
+    summary="Cancel a job",
+    responses=problems(*COMMON_PROBLEMS, "not_found", "invalid_transition"),
+)
+def cancel_job(session: WriteSession, caller: Writer, job_id: UUID) -> JobView:
+    """A queued job ends at once, a running one within a second or two."""
+    return service.cancel(session, caller, job_id)
+
+
+@router.post(
+    "/{job_id}/retry",
+    operation_id="retryJob",
+    summary="Run a job again",
+    responses=problems(*COMMON_PROBLEMS, "not_found", "invalid_transition", "input_expired"),
+)
+def retry_job(session: WriteSession, caller: Writer, job_id: UUID) -> JobView:
+    """For a job that failed, crashed or was cancelled."""
+    return service.retry(session, caller, job_id)
+
+
+@router.get(
+    "/{job_id}/artifacts/{name:path}",
+    operation_id="getArtifact",
+    summary="A file that a job made",
+    response_class=Response,
+    openapi_extra={"parameters": CONTENT_PARAMETERS},
+    responses={**CONTENT_RESPONSES, **problems(*COMMON_PROBLEMS, *CONTENT_PROBLEMS)},
+)
+@router.head("/{job_id}/artifacts/{name:path}", response_class=Response, include_in_schema=False)
+def get_artifact(backend: BackendDep, caller: Reader, request: Request, job_id: UUID, name: str) -> Response:
+    """In whole or in part (`Range`). Results have an expiry (`expires_at` of the job); afterwards: 410."""
+    return content_response(request, service.artifact(backend, caller, job_id, name))

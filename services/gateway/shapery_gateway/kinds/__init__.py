@@ -1,0 +1,1 @@
+"""What the server can do: its job kinds, version and limits."""

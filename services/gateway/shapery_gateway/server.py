@@ -1,0 +1,159 @@
+"""Runs the app under uvicorn: bounded headers, event streams that end when it stops, and a ready line."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+import sys
+from pathlib import Path
+from typing import Any
+
+import uvicorn
+from fastapi import FastAPI
+from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
+
+from shapery_contracts.errors import ERROR_CODES
+from shapery_gateway.app import create_app
+from shapery_gateway.backend import Backend
+from shapery_gateway.logs import configure
+from shapery_platform.db import Database
+from shapery_platform.settings import Settings
+
+MAX_HEADER_BYTES = 64 << 10
+HEADER_SECONDS = 20.0
+"""How long a client may take to send the head of a request."""
+GRACE_SECONDS = 10
+"""How long requests may take to end once the server was asked to stop; uploads keep what arrived."""
+
+
+class BoundedProtocol(HttpToolsProtocol):
+    """HTTP/1.1 with a bound on the size of a request's head and on the time it may take.
+
+    httptools itself gathers headers without end, and waits for them for ever.
+    """
+
+    _head_bytes = 0
+    _in_head = True
+    _head_timer: asyncio.TimerHandle | None = None
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        """Begin to wait for the head of the first request."""
+        super().connection_made(transport)
+        self._head_timer = self.loop.call_later(HEADER_SECONDS, self._head_is_late)
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Stop waiting."""
+        self._stop_timer()
+        super().connection_lost(exc)
+
+    def data_received(self, data: bytes) -> None:
+        """Take in data, counting what belongs to a head."""
+        if self._in_head:
+            self._head_bytes += len(data)
+            if self._head_timer is None:
+                self._head_timer = self.loop.call_later(HEADER_SECONDS, self._head_is_late)
+        super().data_received(data)
+        if self._in_head and self._head_bytes > MAX_HEADER_BYTES and not self.transport.is_closing():
+            self._refuse("headers_too_large", f"The head of the request has more than {MAX_HEADER_BYTES} bytes.")
+
+    def on_headers_complete(self) -> None:
+        """Hand the request on."""
+        self._in_head = False
+        self._head_bytes = 0
+        self._stop_timer()
+        super().on_headers_complete()
+
+    def on_message_complete(self) -> None:
+        """Expect the next head on this connection."""
+        super().on_message_complete()
+        self._in_head = True
+
+    def _stop_timer(self) -> None:
+        if self._head_timer is not None:
+            self._head_timer.cancel()
+            self._head_timer = None
+
+    def _head_is_late(self) -> None:
+        self._head_timer = None
+        if self._in_head and self._head_bytes and not self.transport.is_closing():
+            self._refuse("request_timeout", f"The head of the request took more than {HEADER_SECONDS:g} seconds.")
+        elif self._in_head and self.cycle is None and not self.transport.is_closing():
+            self.transport.close()  # connected and never said a word
+
+    def _refuse(self, code: str, detail: str) -> None:
+        entry = ERROR_CODES[code]
+        body = (
+            f'{{"type":"urn:shapery:problem:{code}","title":"{entry.title}","status":{entry.status},'
+            f'"detail":"{detail}","code":"{code}"}}'
+        ).encode()
+        self.transport.write(
+            f"HTTP/1.1 {entry.status} Refused\r\nContent-Type: application/problem+json\r\n"
+            f"Content-Length: {len(body)}\r\nConnection: close\r\n\r\n".encode()
+            + body
+        )
+        self.transport.close()
+
+
+class Server(uvicorn.Server):
+    """Ends event streams before it waits for connections to close, since they would never close by themselves."""
+
+    def __init__(self, config: uvicorn.Config, app: FastAPI, ready: str) -> None:
+        super().__init__(config)
+        self._app = app
+        self._ready = ready
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Start, then say where."""
+        await super().startup(sockets)
+        if self.started and self.servers:
+            address = self.servers[0].sockets[0].getsockname() if self.servers[0].sockets else ""
+            if isinstance(address, tuple):
+                host = f"[{address[0]}]" if ":" in address[0] else address[0]
+                address = f"http://{host}:{address[1]}"
+            sys.stdout.write(f"{self._ready} {address}\n")
+            sys.stdout.flush()
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """End the streams, then stop."""
+        backend: Backend | None = getattr(self._app.state, "backend", None)
+        if backend is not None:
+            await backend.end_streams()
+        await super().shutdown(sockets)
+
+
+def run(settings: Settings, *, unix_socket: Path | None = None, migrate: bool = False) -> None:
+    """Serve until SIGINT or SIGTERM.
+
+    Parameters
+    ----------
+    settings
+        Host and port, among others; port 0 takes a free one, which the ready line on standard output names.
+    unix_socket
+        Listen on this socket instead.
+    migrate
+        Bring the database to the newest version first.
+    """
+    configure()
+    if migrate:
+        database = Database(settings.database_url)
+        database.migrate()
+        database.dispose()
+    app = create_app(settings)
+    where: dict[str, Any] = {"uds": str(unix_socket)} if unix_socket else {"host": settings.host, "port": settings.port}
+    config = uvicorn.Config(
+        app,
+        **where,
+        loop="asyncio",
+        http=BoundedProtocol,
+        ws="none",
+        lifespan="on",
+        # `middleware.context` writes the access log
+        access_log=False,
+        log_config=None,
+        server_header=False,
+        proxy_headers=True,
+        timeout_keep_alive=30,
+        timeout_graceful_shutdown=GRACE_SECONDS,
+    )
+    server = Server(config, app, "shapery-gateway ready at")
+    server.run()
