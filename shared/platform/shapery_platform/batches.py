@@ -209,8 +209,8 @@ def retry_failed(session: Session, owner: str, batch_id: UUID) -> int:
     Jobs with an input that was deleted stay as they are.
     """
     batch = get(session, owner, batch_id)
-    repository.lock_inputs(session, batch.id, _RETRIED)
     repository.lock_jobs(session, batch.id, _RETRIED)
+    repository.lock_inputs(session, batch.id, _RETRIED)
     now = database_now(session)
     queued = 0
     for state in _RETRIED:

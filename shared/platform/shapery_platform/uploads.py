@@ -7,8 +7,9 @@ offset is advanced after they are durable, and only under the lease.
 from __future__ import annotations
 
 import hashlib
-import logging
-from collections.abc import Iterable, Mapping
+import threading
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from types import TracebackType
@@ -25,8 +26,6 @@ from shapery_platform.db.repositories import uploads as repository
 from shapery_platform.settings import Settings
 from shapery_platform.storage import ObjectStore
 from shapery_platform.storage.staging import UploadStaging
-
-_log = logging.getLogger(__name__)
 
 CHECKSUM_ALGORITHMS = ("sha1", "sha256", "md5")
 """As tus names them in ``Tus-Checksum-Algorithm``."""
@@ -336,13 +335,13 @@ def finish(
             return assets.get(session, owner, state.asset_id)
         if not state.complete:
             raise InvalidInput("conflict", f"The upload has {state.offset:,} of {state.length or '?'} bytes.")
-        # long enough to read back and compose what can be uploaded at all
-        if not repository.take_lease(session, upload_id, token, now, now + _finishing(state.offset)):
+        if not repository.take_lease(session, upload_id, token, now, now + _LEASE):
             raise _locked()
         parts = repository.parts(session, upload_id)
     try:
-        blob = staging.publish(upload_id, state.offset, parts)
-        found = assets.inspect(store, blob.sha256, blob.size)
+        with _kept_lease(database, upload_id, token):
+            blob = staging.publish(upload_id, state.offset, parts)
+            found = assets.inspect(store, blob.sha256, blob.size)
         with database.session() as session:
             asset = assets.create_from_upload(
                 session, store, settings, owner, blob.sha256, blob.size, state.filename, found
@@ -417,8 +416,24 @@ def sweep_staging(database: Database, staging: UploadStaging) -> int:
     return removed
 
 
-def _finishing(size: int) -> timedelta:
-    return _LEASE + timedelta(seconds=size / (10 << 20))
+@contextmanager
+def _kept_lease(database: Database, upload_id: UUID, token: UUID) -> Iterator[None]:
+    """Renew the lease from a thread of its own while something takes long."""
+    done = threading.Event()
+
+    def renew() -> None:
+        while not done.wait(_RENEW_EVERY.total_seconds()):
+            with database.session() as session:
+                if not repository.write(session, upload_id, token, lease_until=utc_now() + _LEASE):
+                    return
+
+    thread = threading.Thread(target=renew, name="upload-lease", daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        done.set()
+        thread.join()
 
 
 def _check_length(settings: Settings, length: int | None) -> None:

@@ -7,9 +7,10 @@ back after another has taken over, changes nothing.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
+from pathlib import PurePosixPath
 from typing import Any
 from uuid import UUID
 
@@ -23,11 +24,12 @@ from shapery_platform.db import database_now
 from shapery_platform.db.models import Job
 from shapery_platform.db.repositories import assets as asset_repository
 from shapery_platform.db.repositories import jobs as repository
-from shapery_platform.db.text import storable
+from shapery_platform.db.text import canonical_json, storable
 from shapery_platform.jobs.views import get, not_found
 
 _LONGEST_MESSAGE = 4000
 _LONGEST_STAGE = 64
+_LONGEST_NAME = 255
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +73,16 @@ def succeed(
     """End a job with its result and artifacts, all in this transaction.
 
     False where the lease is lost or the job is being cancelled: then call `stop`, which is harmless in both cases.
+
+    Raises
+    ------
+    ValueError
+        Where the result is not JSON (NaN, for instance), or artifacts have names that are empty, too long, not
+        relative, or not different from each other: defects of the handler.
     """
+    listed = sorted(artifacts, key=lambda artifact: artifact.sha256)
+    _check_names([artifact.name for artifact in listed])
+    canonical_json(result)
     row = repository.lock(session, job_id, lease=lease)
     if row is None or row.state is not JobState.RUNNING:
         return False
@@ -79,7 +90,6 @@ def succeed(
     values = {**_ended(row, now), "result": dict(result), "fraction": 1.0, "message": ""}
     if not _change(session, row, JobAction.SUCCEED, values, now):
         return False
-    listed = sorted(artifacts, key=lambda artifact: artifact.sha256)
     for artifact in listed:
         # the row must exist before an artifact can refer to it, and stays locked until this commits
         blobs.pin(session, artifact.sha256, artifact.size)
@@ -241,6 +251,15 @@ def _requeued(message: str) -> dict[str, Any]:
         "fraction": 0.0,
         "message": storable(message, _LONGEST_MESSAGE),
     }
+
+
+def _check_names(names: Sequence[str]) -> None:
+    for name in names:
+        path = PurePosixPath(name)
+        if not 0 < len(name) <= _LONGEST_NAME or path.is_absolute() or ".." in path.parts or storable(name) != name:
+            raise ValueError(f"an artifact cannot be called {name!r}")
+    if len(set(names)) != len(names):
+        raise ValueError(f"two artifacts have the same name: {sorted(names)}")
 
 
 def _error(code: str, message: str, hint: str) -> dict[str, Any]:

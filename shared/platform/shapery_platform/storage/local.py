@@ -25,7 +25,6 @@ from shapery_platform.storage.content import (
     StoredBlob,
     StoredObjectMissing,
     disk_errors,
-    object_key,
     storage_full,
 )
 from shapery_platform.storage.store import TEMPORARY, BlobWriter, ObjectEntry, ObjectStore, file_chunks
@@ -180,8 +179,9 @@ class LocalStore(ObjectStore):
 
     def publish(self, file: Path, sha256: str, size: int, *, keep: bool = False) -> StoredBlob:
         """Give the complete and synced `file` its content address; the name `file` goes unless `keep`."""
-        self._pin(sha256, size)
-        target = self.path(object_key(sha256))
+        blob = StoredBlob(sha256, size)
+        self.pin_blob(blob)
+        target = self.path(blob.key)
         file.chmod(0o444)
         if not self._link(file, target) and target.stat().st_size != size:
             # what is there is not what its name says: a disk was full or damaged; the sound bytes take its place
@@ -191,7 +191,7 @@ class LocalStore(ObjectStore):
             sync_folder(target.parent)
         if not keep:
             file.unlink(missing_ok=True)
-        return StoredBlob(sha256, size)
+        return blob
 
     def _link(self, file: Path, target: Path) -> bool:
         """Give `file` the further name `target` unless it is taken; tell whether it was free."""

@@ -5,15 +5,17 @@ from __future__ import annotations
 import hashlib
 import io
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any, BinaryIO, cast
 
 import obstore
-from obstore.exceptions import AlreadyExistsError
+from obstore.exceptions import AlreadyExistsError, BaseError
 from obstore.store import S3Store as ObstoreS3
 from typing_extensions import override
 
+from shapery_contracts.errors import Unavailable
 from shapery_platform.db.types import new_id
 from shapery_platform.storage.content import CHUNK, StoredBlob, StoredObjectMissing, disk_errors, object_key
 from shapery_platform.storage.store import TEMPORARY, BlobWriter, ObjectEntry, ObjectStore, RangeReader, file_chunks
@@ -24,6 +26,17 @@ _CONCURRENCY = 3
 """Parts on their way at a time: memory stays below (1 + `_CONCURRENCY`) parts per writer."""
 _LARGEST_COPY = 5 << 30
 """S3 copies objects up to this size by itself."""
+
+
+@contextmanager
+def _s3_errors() -> Iterator[None]:
+    """Tell an S3 that does not answer, or not as it should, from a defect of ours."""
+    try:
+        yield
+    except BaseError as error:
+        if isinstance(error, AlreadyExistsError):
+            raise
+        raise Unavailable("service_unavailable", "The object storage does not answer.", "Try again later.") from error
 
 
 class S3Store(ObjectStore):
@@ -47,13 +60,19 @@ class S3Store(ObjectStore):
         if secret_key is not None:
             options["secret_access_key"] = secret_key
         plain = endpoint is not None and endpoint.startswith("http://")
-        self._store = ObstoreS3(
-            bucket,
-            prefix=prefix or None,
-            client_options={"timeout": "120s", "connect_timeout": "5s", "allow_http": plain},
-            retry_config={"max_retries": 5, "retry_timeout": timedelta(seconds=60)},
-            **options,
-        )
+
+        def connect(timeout: int, retries: int) -> ObstoreS3:
+            return ObstoreS3(
+                bucket,
+                prefix=prefix or None,
+                client_options={"timeout": f"{timeout}s", "connect_timeout": "5s", "allow_http": plain},
+                retry_config={"max_retries": retries, "retry_timeout": timedelta(seconds=timeout)},
+                **options,
+            )
+
+        self._store = connect(60, 4)
+        # whether it answers is asked often and by those who will not wait
+        self._probe = connect(5, 0)
 
     @override
     def writer(self, expected: int | None = None) -> BlobWriter:
@@ -65,7 +84,7 @@ class S3Store(ObjectStore):
             digest = hashlib.file_digest(source, "sha256").hexdigest()
             size = source.tell()
             source.seek(0)
-            self._pin(digest, size)
+            self.pin_blob(StoredBlob(digest, size))
             self.put_content(object_key(digest), file_chunks(source), size)
         if move:
             path.unlink()
@@ -76,16 +95,16 @@ class S3Store(ObjectStore):
         if self.size(key) == size:
             return
         if size <= PART:
-            try:
-                obstore.put(self._store, key, b"".join(chunks), mode="create", use_multipart=False)
-            except AlreadyExistsError:
-                return
+            self.create(key, b"".join(chunks))
         else:
             # a multipart upload knows no condition, but whoever overwrites here writes the same bytes
             self._put_multipart(key, chunks)
 
     def _put_multipart(self, key: str, chunks: Iterable[bytes]) -> None:
-        obstore.put(self._store, key, iter(chunks), use_multipart=True, chunk_size=PART, max_concurrency=_CONCURRENCY)
+        with _s3_errors():
+            obstore.put(
+                self._store, key, iter(chunks), use_multipart=True, chunk_size=PART, max_concurrency=_CONCURRENCY
+            )
 
     @override
     def put_stream(self, key: str, chunks: Iterable[bytes]) -> int:
@@ -104,7 +123,8 @@ class S3Store(ObjectStore):
             if len(first) > PART:
                 break
         else:
-            obstore.put(self._store, key, bytes(first), use_multipart=False)
+            with _s3_errors():
+                obstore.put(self._store, key, bytes(first), use_multipart=False)
             return written
         self._put_multipart(key, _chain(bytes(first), pieces))
         return written
@@ -112,22 +132,29 @@ class S3Store(ObjectStore):
     @override
     def create(self, key: str, data: bytes) -> bool:
         try:
-            obstore.put(self._store, key, data, mode="create", use_multipart=False)
+            with _s3_errors():
+                obstore.put(self._store, key, data, mode="create", use_multipart=False)
         except AlreadyExistsError:
             return False
         return True
 
+    def open_writer(self, key: str) -> Any:
+        """Return obstore's writer: the object appears when it is closed, and not at all where it is dropped."""
+        return obstore.open_writer(self._store, key, buffer_size=PART, max_concurrency=_CONCURRENCY)
+
     def copy(self, source: str, key: str, size: int) -> None:
         """Copy an object of `size` bytes within the bucket, by S3 itself where it does that."""
         if size <= _LARGEST_COPY:
-            obstore.copy(self._store, source, key)
+            with _s3_errors():
+                obstore.copy(self._store, source, key)
         else:
             self._put_multipart(key, self.iter_range(source, 0, size))
 
     @override
     def size(self, key: str) -> int | None:
         try:
-            return obstore.head(self._store, key)["size"]
+            with _s3_errors():
+                return obstore.head(self._store, key)["size"]
         except FileNotFoundError:
             return None
 
@@ -153,7 +180,8 @@ class S3Store(ObjectStore):
 
     def _range(self, key: str, start: int, stop: int) -> bytes:
         try:
-            return bytes(obstore.get_range(self._store, key, start=start, end=stop))
+            with _s3_errors():
+                return bytes(obstore.get_range(self._store, key, start=start, end=stop))
         except FileNotFoundError:
             raise StoredObjectMissing(f"There is no object {key!r}.") from None
 
@@ -174,15 +202,17 @@ class S3Store(ObjectStore):
     @override
     def delete(self, key: str) -> None:
         try:
-            obstore.delete(self._store, key)
+            with _s3_errors():
+                obstore.delete(self._store, key)
         except FileNotFoundError:
             return
 
     @override
     def list(self, prefix: str = "") -> Iterator[ObjectEntry]:
-        for page in obstore.list(self._store, prefix.rstrip("/") or None):
-            for entry in page:
-                yield ObjectEntry(entry["path"], entry["size"], entry["last_modified"])
+        with _s3_errors():
+            for page in obstore.list(self._store, prefix.rstrip("/") or None):
+                for entry in page:
+                    yield ObjectEntry(entry["path"], entry["size"], entry["last_modified"])
 
     @override
     def free_bytes(self) -> None:
@@ -194,7 +224,11 @@ class S3Store(ObjectStore):
 
     @override
     def ping(self) -> None:
-        self.size(f"{TEMPORARY}ping")
+        try:
+            with _s3_errors():
+                obstore.head(self._probe, f"{TEMPORARY}ping")
+        except FileNotFoundError:
+            return
 
     @override
     def sweep_temporary(self, older_than: float) -> int:
@@ -229,23 +263,20 @@ class _S3BlobWriter(BlobWriter):
             self._buffer += data
             if len(self._buffer) <= PART:
                 return
-            self._stream = obstore.open_writer(
-                self._store._store,
-                self._temporary,
-                buffer_size=PART,
-                max_concurrency=_CONCURRENCY,
-            )
+            self._stream = self._store.open_writer(self._temporary)
             data, self._buffer = bytes(self._buffer), None
-        self._stream.write(bytes(data))
+        with _s3_errors():
+            self._stream.write(bytes(data))
 
     @override
     def finish(self) -> StoredBlob:
         blob = StoredBlob(self._hash.hexdigest(), self._size)
-        self._store._pin(blob.sha256, blob.size)
+        self._store.pin_blob(blob)
         if self._buffer is not None:
             self._store.put_content(blob.key, [bytes(self._buffer)], blob.size)
             return blob
-        self._stream.close()
+        with _s3_errors():
+            self._stream.close()
         self._stream = None
         if self._store.size(blob.key) != blob.size:
             self._store.copy(self._temporary, blob.key, blob.size)

@@ -6,6 +6,7 @@ the row) is cut off or overwritten by the next request; what it lacks is an erro
 
 from __future__ import annotations
 
+import contextlib
 import fcntl
 import hashlib
 import os
@@ -14,14 +15,15 @@ from abc import ABC, abstractmethod
 from collections import OrderedDict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from io import FileIO
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from uuid import UUID
 
 from typing_extensions import override
 
-from shapery_contracts.errors import UserError
 from shapery_platform.db.types import new_id
-from shapery_platform.storage.content import StagingLost, StoredBlob, disk_errors, object_key
+from shapery_platform.storage.content import CHUNK, StagingLost, StoredBlob, disk_errors
 from shapery_platform.storage.local import LocalStore, write_all
 from shapery_platform.storage.store import STAGING, ObjectStore, file_chunks
 
@@ -89,10 +91,10 @@ class UploadStaging(ABC):
     def open_patch(self, upload_id: UUID, offset: int) -> Patch:
         """Begin to write at `offset`.
 
+        The caller holds the upload's lease.
+
         Raises
         ------
-        UserError
-            ``upload_locked`` where another request is writing.
         StagingLost
             Where fewer than `offset` bytes are staged.
         """
@@ -209,15 +211,10 @@ class LocalStaging(UploadStaging):
 
 
 class _LocalPatch(Patch):
-    def __init__(self, store: LocalStore, path: os.PathLike[str], offset: int) -> None:
+    def __init__(self, store: LocalStore, path: Path, offset: int) -> None:
         self._store = store
-        self._file = open(path, "r+b" if os.path.exists(path) else "w+b", buffering=0)  # noqa: SIM115, PTH110, PTH123
+        self._file = self._open(path, offset)
         try:
-            try:
-                # goes when the process dies, and keeps out a request that was given up and is still writing
-                fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                raise UserError("upload_locked", "Another request is writing to this upload.", "Try again.") from None
             size = self._file.seek(0, os.SEEK_END)
             if size < offset:
                 raise StagingLost(f"{size:,} bytes are staged where the upload's row says {offset:,}")
@@ -229,6 +226,46 @@ class _LocalPatch(Patch):
             raise
         self._offset = offset
         self._next_check = offset + _ROOM_EVERY
+
+    def _open(self, path: Path, offset: int) -> FileIO:
+        """Open and lock the file.
+
+        Who comes here holds the upload's lease. So another one that has the file locked is a request whose lease ran
+        out while it hung, and which may still write when it wakes up: it keeps the file it has, and the bytes that
+        count, which nobody writes to any more, are copied to a new one.
+        """
+        while True:
+            file = FileIO(os.open(path, os.O_RDWR | os.O_CREAT, 0o600), "r+")
+            try:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                file.close()
+                return self._take_over(path, offset)
+            except BaseException:
+                file.close()
+                raise
+            with contextlib.suppress(FileNotFoundError):
+                if path.stat().st_ino == os.fstat(file.fileno()).st_ino:
+                    return file
+            file.close()
+
+    def _take_over(self, path: Path, offset: int) -> FileIO:
+        temporary = self._store.temporary()
+        file = FileIO(temporary, "x+")
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX)
+            left = offset
+            with disk_errors(), path.open("rb") as source:
+                while left and (chunk := source.read(min(CHUNK, left))):
+                    write_all(file, chunk)
+                    left -= len(chunk)
+                os.fsync(file.fileno())
+            temporary.replace(path)
+        except BaseException:
+            file.close()
+            temporary.unlink(missing_ok=True)
+            raise
+        return file
 
     @override
     def write(self, data: bytes | memoryview) -> None:
@@ -285,14 +322,12 @@ class S3Staging(UploadStaging):
     @override
     def publish(self, upload_id: UUID, size: int, parts: Sequence[StagedPart]) -> StoredBlob:
         blob = StoredBlob(self.digest(upload_id, size, parts), size)
-        if self._store.pin is not None:
-            self._store.pin(blob.sha256, size)
-        key = object_key(blob.sha256)
+        self._store.pin_blob(blob)
         if len(parts) == 1 and parts[0].size == size:
-            if self._store.size(key) != size:
-                self._store.copy(parts[0].key, key, size)
+            if self._store.size(blob.key) != size:
+                self._store.copy(parts[0].key, blob.key, size)
         else:
-            self._store.put_content(key, self.read(upload_id, size, parts), size)
+            self._store.put_content(blob.key, self.read(upload_id, size, parts), size)
         return blob
 
     @override

@@ -184,9 +184,10 @@ class ObjectStore(ABC):
     def sweep_temporary(self, older_than: float) -> int:
         """Remove what writers left behind that died more than `older_than` seconds ago; return how many."""
 
-    def _pin(self, sha256: str, size: int) -> None:
+    def pin_blob(self, blob: StoredBlob) -> None:
+        """Keep a blob that is about to be published from the sweep."""
         if self.pin is not None:
-            self.pin(sha256, size)
+            self.pin(blob.sha256, blob.size)
 
 
 def file_chunks(stream: BinaryIO, size: int = CHUNK) -> Iterator[bytes]:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import Select, exists, func, literal, select, update
+from sqlalchemy import exists, func, literal, select, update
 from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session
 
@@ -30,14 +30,17 @@ def upsert(session: Session, sha256: str, size: int, check_after: datetime) -> N
     )
 
 
-def mark(session: Session, hashes: Select[tuple[str]] | Collection[str], at: datetime) -> None:
+def mark(session: Session, hashes: Collection[str], at: datetime) -> None:
     """Say that something stopped referring to these blobs: the sweep shall look at them from `at` on."""
-    session.execute(
-        update(Blob)
-        .where(Blob.sha256.in_(hashes))
-        .values(check_after=func.coalesce(Blob.check_after, at))
-        .execution_options(synchronize_session=False)
-    )
+    # locked in one order first: two that mark the same blobs would otherwise wait for each other
+    present = lock(session, hashes)
+    for some in _chunks(sorted(present)):
+        session.execute(
+            update(Blob)
+            .where(Blob.sha256.in_(some))
+            .values(check_after=func.coalesce(Blob.check_after, literal(at, UtcDateTime())))
+            .execution_options(synchronize_session=False)
+        )
 
 
 def due(session: Session, now: datetime, limit: int) -> Sequence[str]:
@@ -87,8 +90,14 @@ def is_read(session: Session, sha256: str) -> bool:
 
 def lock(session: Session, hashes: Iterable[str]) -> set[str]:
     """Lock the rows of these blobs in one order against their removal, and return those that exist."""
-    return set(
-        session.scalars(
-            select(Blob.sha256).where(Blob.sha256.in_(sorted(set(hashes)))).order_by(Blob.sha256).with_for_update()
+    present: set[str] = set()
+    for some in _chunks(sorted(set(hashes))):
+        present.update(
+            session.scalars(select(Blob.sha256).where(Blob.sha256.in_(some)).order_by(Blob.sha256).with_for_update())
         )
-    )
+    return present
+
+
+def _chunks(hashes: Sequence[str], size: int = 500) -> Iterator[Sequence[str]]:
+    for begin in range(0, len(hashes), size):
+        yield hashes[begin : begin + size]
