@@ -97,9 +97,7 @@ class ProbeHandler:
         seen = {}
         if params.once is None or claim_file(Path(params.once)):
             seen = self._act(params, context)
-        found = {
-            name: {str(f.relative_to(path.parent)): digest(f) for f in files_of(path)} for name, path in inputs.items()
-        }
+        found = {name: digests(path) for name, path in inputs.items()}
         if params.action == "wrong_result":
             return {"inputs": 1}  # type: ignore[return-value]
         return ProbeResult(inputs=found, seen=seen)
@@ -174,7 +172,7 @@ def see_context(context: JobContext) -> dict[str, str]:
     descriptors = {}
     for entry in Path("/proc/self/fd").iterdir():
         try:
-            descriptors[entry.name] = os.readlink(entry)
+            descriptors[entry.name] = str(entry.readlink())
         except OSError:
             continue
     connections = [d for d in descriptors.values() if d.startswith("socket:")]
@@ -192,14 +190,10 @@ def see_context(context: JobContext) -> dict[str, str]:
     }
 
 
-def files_of(path: Path) -> list[Path]:
-    """Return the files of an input."""
-    return sorted(path.iterdir()) if path.is_dir() else [path]
-
-
-def digest(path: Path) -> str:
-    """Return the SHA-256 of a file."""
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+def digests(path: Path) -> dict[str, str]:
+    """Return the SHA-256 of an input's files by their names."""
+    files = sorted(path.iterdir()) if path.is_dir() else [path]
+    return {str(file.relative_to(path.parent)): hashlib.sha256(file.read_bytes()).hexdigest() for file in files}
 
 
 _INPUTS = {

@@ -16,25 +16,26 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from functools import cached_property
+from typing import TYPE_CHECKING
 
-from sqlalchemy.exc import SQLAlchemyError
-
-from shapery_contracts.errors import ShaperyError
-from shapery_platform import workers
-from shapery_platform.db import Database
-from shapery_platform.queue import make_celery
 from shapery_platform.settings import Settings
 from shapery_worker import leash
 from shapery_worker.handlers import installed_kinds
 from shapery_worker.lifeline import kill_tree
 from shapery_worker.metrics import MetricsServer
 from shapery_worker.ready import read_ready
-from shapery_worker.recovery import recover_abandoned
+from shapery_worker.scratch import has_folders
 from shapery_worker.settings import WorkerSettings, scratch_root
 from shapery_worker.stop_signal import StopSignal
 
+if TYPE_CHECKING:
+    from shapery_worker.presence import Presence
+
 _TICK = 0.25
+_SWEEP_EVERY = 1.0
+_IDLE_FIRST = 5.0
+"""Seconds before a host without handlers says that it is there."""
 _FIRST_DELAY = 0.1
 _LONGEST_DELAY = 10.0
 _HEALTHY_AFTER = 30.0
@@ -66,46 +67,66 @@ class WorkerHost:
         self._service = service
         self._worker_id = new_worker_id(service)
         self._root = scratch_root(settings, service)
-        self._database = Database(settings.database_url, pool_size=1)
-        self._celery = make_celery(settings)
         self._main: subprocess.Popen[bytes] | None = None
         self._ready_fd = -1
         self._kinds: list[str] | None = None
-        self._registered = False
         self._started_at = 0.0
         self._start_again_at = 0.0
         self._delay = _FIRST_DELAY
-        self._database_down = False
         self._stop_signal = StopSignal()
+
+    @cached_property
+    def _presence(self) -> Presence:
+        from shapery_worker.presence import Presence
+
+        return Presence(self._settings, self._worker_id, self._service, self._root)
 
     def run(self) -> int:
         """Work until a signal says to stop; returns the exit code."""
-        idle = not installed_kinds(self._service)
-        if idle:
-            logger.info("no handler of %s is installed here: this worker serves nothing", self._service)
-            self._kinds = []
         with self._stop_signal, MetricsServer(self._worker_settings, self._root):
-            if not idle:
-                self._start_main()
-            sweep_due = beat_due = 0.0
-            while not self._stop_signal.asked:
-                now = time.monotonic()
-                if not idle:
-                    self._look_after_main(now)
-                if now >= sweep_due and not idle:
-                    self._in_database(self._recover)
-                    sweep_due = now + 1.0
-                if now >= beat_due:
-                    self._in_database(self._tell_alive)
-                    beat_due = now + (self._settings.lease_seconds / 3 if self._kinds is not None else _TICK)
-                if os.getpid() == 1:
-                    self._reap_orphans()
-                # An idle worker has nothing to look after but its own sign of life.
-                self._stop_signal.wait(beat_due - now if idle else _TICK)
-            code = self._stop_main()
-            self._in_database(self._tell_gone)
-        self._database.engine.dispose()
-        return code
+            try:
+                if installed_kinds(self._service):
+                    return self._run_jobs()
+                logger.info("no handler of %s is installed here: this worker serves nothing", self._service)
+                return self._idle()
+            finally:
+                if "_presence" in self.__dict__:
+                    self._presence.tell_gone()
+                    self._presence.close()
+
+    def _run_jobs(self) -> int:
+        self._start_main()
+        told = sweep_due = beat_due = 0.0
+        while not self._stop_signal.asked:
+            now = time.monotonic()
+            self._look_after_main(now)
+            if now >= sweep_due:
+                if has_folders(self._root):
+                    self._presence.recover()
+                sweep_due = now + _SWEEP_EVERY
+            if self._kinds is not None and now >= beat_due:
+                self._presence.tell_alive(self._kinds)
+                told, beat_due = now, now + self._beat_every
+            elif self._kinds is None and told:
+                # A worker that cannot run jobs at the moment is not shown as one that can.
+                self._presence.tell_gone()
+                told = beat_due = 0.0
+            if os.getpid() == 1:
+                self._reap_orphans()
+            self._stop_signal.wait(_TICK)
+        return self._stop_main()
+
+    def _idle(self) -> int:
+        # Everything else that starts now has more to do.
+        wait = _IDLE_FIRST
+        while not self._stop_signal.wait(wait):
+            self._presence.tell_alive(())
+            wait = self._beat_every
+        return 0
+
+    @property
+    def _beat_every(self) -> float:
+        return self._settings.lease_seconds / 3
 
     def _start_main(self) -> None:
         self._root.mkdir(parents=True, exist_ok=True)
@@ -166,42 +187,8 @@ class WorkerHost:
             logger.error("the worker's main process did not stop and is killed")
             kill_tree(self._main.pid)
             code = self._main.wait()
-            self._in_database(self._recover)
+            self._presence.recover()
         return 0 if code == 0 else 1
-
-    def _in_database(self, action: Callable[[], None]) -> None:
-        """Do something with the database or the queue; when one is away, later is early enough."""
-        try:
-            action()
-        except (SQLAlchemyError, ShaperyError, OSError) as error:
-            if not self._database_down:
-                logger.warning("database, queue or folder cannot be used: %s", error)
-            self._database_down = True
-        else:
-            if self._database_down:
-                logger.info("database, queue and folder can be used again")
-            self._database_down = False
-
-    def _recover(self) -> None:
-        recover_abandoned(self._root, self._database, self._celery)
-
-    def _tell_alive(self) -> None:
-        if self._kinds is None:  # a worker that cannot run jobs at the moment is not shown as one that can
-            if self._registered:
-                self._tell_gone()
-            return
-        with self._database.session() as session:
-            if not (self._registered and workers.seen(session, self._worker_id)):
-                workers.register(
-                    session, self._worker_id, self._service, self._kinds, socket.gethostname(), os.getpid()
-                )
-        self._registered = True
-
-    def _tell_gone(self) -> None:
-        if self._registered:
-            with self._database.session() as session:
-                workers.forget(session, self._worker_id)
-            self._registered = False
 
     def _reap_orphans(self) -> None:
         """As the first process of a container, end the zombies of handlers whose watcher was killed."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import os
 import signal
+from collections.abc import Callable
 from pathlib import Path
 
 import psutil
@@ -18,10 +19,11 @@ from shapery_worker.scratch import Abandoned, Ownership, find_abandoned
 logger = logging.getLogger(__name__)
 
 
-def recover_abandoned(root: Path, database: Database, celery: Celery) -> int:
+def recover_abandoned(root: Path, database: Database, celery: Callable[[], Celery]) -> int:
     """Give back the jobs whose folders below `root` are abandoned, and remove the folders; return how many.
 
-    The change is made under the dead worker's own lease, so it does nothing where the reaper was faster.
+    The change is made under the dead worker's own lease, so it does nothing where the reaper was faster. The queue is
+    asked for only when there is something to send.
     """
     recovered = 0
     for abandoned in find_abandoned(root):
@@ -38,7 +40,7 @@ def recover_abandoned(root: Path, database: Database, celery: Celery) -> int:
         recovered += 1
         logger.warning("job %s: its worker was killed; it is %s now", ownership.job_id, state.value)
         if state is JobState.QUEUED:
-            dispatch.submit(database, celery, ownership.job_id, ownership.kind)
+            dispatch.submit(database, celery(), ownership.job_id, ownership.kind)
     return recovered
 
 

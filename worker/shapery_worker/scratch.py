@@ -96,6 +96,15 @@ class ScratchFolder:
         os.close(self._lock)
 
 
+def has_folders(root: Path) -> bool:
+    """Tell whether there is anything below `root` that might be abandoned."""
+    try:
+        with os.scandir(root) as entries:
+            return any(True for _ in entries)
+    except FileNotFoundError:
+        return False
+
+
 def find_abandoned(root: Path) -> Iterator[Abandoned]:
     """Yield the folders below `root` whose watchers are dead; each is removed when the caller asks for the next one.
 

@@ -22,6 +22,7 @@ from urllib.parse import urlsplit
 from shapery_contracts.errors import UserError
 from shapery_contracts.kinds import SERVICES
 from shapery_platform.settings import Settings
+from shapery_worker.handlers import installed_kinds
 from shapery_worker.stop_signal import StopSignal
 from shapery_worker.supervisor.lock import HomeLock, ProcessMark
 from shapery_worker.supervisor.process import SupervisedProcess
@@ -114,10 +115,15 @@ class Supervisor:
         if self._redis is not None:
             self._wait_for_redis(settings.redis_socket)
         python = [sys.executable, "-m"]
-        for service in self._services:
-            self._add(f"worker-{service}", [*python, "shapery_worker", "run", "--service", service], logs).start()
         self._add("gateway", [*python, "shapery_gateway"], logs).start()
-        self._add("reaper", [*python, "shapery_worker", "reaper"], logs).start()
+        late = []
+        for service in self._services:
+            worker = self._add(f"worker-{service}", [*python, "shapery_worker", "run", "--service", service], logs)
+            if installed_kinds(service):
+                worker.start()
+            else:
+                late.append(worker)
+        late.append(self._add("reaper", [*python, "shapery_worker", "reaper"], logs))
         lock.record.address = self.address
         self._record(lock)
         self._watch(lock, lambda: self._ready() or time.monotonic() - began > _READY_WITHIN)
@@ -127,6 +133,10 @@ class Supervisor:
             self._announce(f"Shapery was not ready after {_READY_WITHIN:.0f} s; its logs are in {logs}.")
             return False
         logger.info("ready after %.1f s", time.monotonic() - began)
+        # Those that have no work yet come last: starting takes the processors that the others need to get ready.
+        for process in late:
+            process.start()
+        self._record(lock)
         return True
 
     def _owns_redis(self) -> bool:
