@@ -1,0 +1,36 @@
+import type { components } from "./schema";
+
+type Schemas = components["schemas"];
+
+export type Asset = Schemas["AssetView"];
+export type AssetKind = Schemas["AssetKind"];
+export type Job = Schemas["JobView"];
+export type JobState = Schemas["JobState"];
+export type JobEvent = Schemas["JobEvent"];
+export type JobCreate = Schemas["JobCreate"];
+export type Artifact = Schemas["ArtifactView"];
+export type JobKind = Schemas["JobKindView"];
+export type ServerInfo = Schemas["ServerInfo"];
+
+export const JOB_STATES = [
+  "queued",
+  "running",
+  "cancelling",
+  "succeeded",
+  "failed",
+  "crashed",
+  "cancelled",
+] as const satisfies readonly JobState[];
+
+/** States that nothing but a retry by the user leads out of. */
+export function isTerminal(state: JobState): boolean {
+  return state === "succeeded" || state === "failed" || state === "crashed" || state === "cancelled";
+}
+
+export function canCancel(state: JobState): boolean {
+  return state === "queued" || state === "running";
+}
+
+export function canRetry(state: JobState): boolean {
+  return state === "failed" || state === "crashed" || state === "cancelled";
+}

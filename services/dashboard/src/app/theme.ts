@@ -1,0 +1,64 @@
+import { createTheme, type MantineColorsTuple } from "@mantine/core";
+
+/** The one accent: petrol, the color of a surface in water. */
+const petrol: MantineColorsTuple = [
+  "#eaf6f5",
+  "#d3eae8",
+  "#a8d5d1",
+  "#78bfba",
+  "#4faaa5",
+  "#2f9490",
+  "#1b7f7d",
+  "#11696b",
+  "#0c5558",
+  "#073f43",
+];
+
+/** Greys with a trace of the accent, so that the dark theme is calm rather than black. */
+const dark: MantineColorsTuple = [
+  "#d5dcdd",
+  "#b4bdbf",
+  "#8f9a9d",
+  "#6a7679",
+  "#465154",
+  "#323b3e",
+  "#252d30",
+  "#1a2123",
+  "#13191b",
+  "#0d1213",
+];
+
+const gray: MantineColorsTuple = [
+  "#f6f8f8",
+  "#eff2f2",
+  "#e3e8e8",
+  "#d3dada",
+  "#bac4c4",
+  "#95a2a3",
+  "#6b797b",
+  "#505d5f",
+  "#364244",
+  "#1f292b",
+];
+
+export const theme = createTheme({
+  primaryColor: "petrol",
+  primaryShade: { light: 7, dark: 5 },
+  colors: { petrol, dark, gray },
+  autoContrast: true,
+  luminanceThreshold: 0.35,
+  fontFamily: '"Hanken Grotesk Variable", system-ui, sans-serif',
+  fontFamilyMonospace: 'ui-monospace, "SF Mono", "Cascadia Mono", "DejaVu Sans Mono", monospace',
+  headings: {
+    fontWeight: "600",
+    sizes: {
+      h1: { fontSize: "1.5rem", lineHeight: "1.25" },
+      h2: { fontSize: "1.125rem", lineHeight: "1.35" },
+      h3: { fontSize: "0.9375rem", lineHeight: "1.4" },
+    },
+  },
+  defaultRadius: "md",
+  cursorType: "pointer",
+  focusRing: "auto",
+  respectReducedMotion: true,
+});

@@ -1,0 +1,186 @@
+import { Niivue, NVImage, SLICE_TYPE } from "@niivue/niivue";
+import { LABELS, rgb } from "../labels";
+
+export type VolumeLayout = "slices" | "axial" | "coronal" | "sagittal" | "render";
+
+/** Where the crosshair is, and what is there. */
+export interface Place {
+  /** RAS, in mm. */
+  mm: [number, number, number];
+  intensity: number | null;
+  label: number;
+}
+
+export interface Display {
+  layout: VolumeLayout;
+  /** Of the labels, in [0, 1]. */
+  opacity: number;
+  /** Only the labels' outlines are drawn on slices. */
+  outline: boolean;
+  /** The patient's left on the right side of the picture, as radiologists look. */
+  radiological: boolean;
+  /** Intensities that are black and white. */
+  window: [number, number];
+}
+
+export interface Source {
+  /** With the extension that tells the format. */
+  name: string;
+  content: ArrayBuffer;
+}
+
+/** What niivue tells of a place; its own type leaves the argument open. */
+interface Location {
+  mm: ArrayLike<number>;
+  values: { value: number }[];
+}
+
+const SLICES = {
+  axial: SLICE_TYPE.AXIAL,
+  coronal: SLICE_TYPE.CORONAL,
+  sagittal: SLICE_TYPE.SAGITTAL,
+  render: SLICE_TYPE.RENDER,
+} as const;
+
+/** niivue behind the few things that the page wants of it; the volume in the frame RAS mm, as everywhere. */
+export class VolumeCanvas {
+  readonly canvas: HTMLCanvasElement;
+  readonly #viewer: Niivue;
+  #closed = false;
+
+  constructor(parent: HTMLElement, onPlace: (place: Place) => void) {
+    this.canvas = document.createElement("canvas");
+    this.canvas.tabIndex = 0;
+    this.canvas.setAttribute("role", "img");
+    parent.append(this.canvas);
+    this.#viewer = new Niivue({
+      backColor: [0.043, 0.059, 0.063, 1],
+      crosshairColor: [0.56, 0.83, 0.8, 0.7],
+      crosshairWidth: 0.6,
+      crosshairGap: 8,
+      fontColor: [0.81, 0.87, 0.87, 1],
+      fontMinPx: 12,
+      fontSizeScaling: 0.35,
+      isSliceMM: true,
+      isOrientCube: false,
+      isColorbar: false,
+      multiplanarPadPixels: 6,
+      show3Dcrosshair: true,
+      dragAndDropEnabled: false,
+      scrollRequiresFocus: true,
+      // Its single keys would change the layout behind the page's back.
+      viewModeHotKey: "",
+      clipPlaneHotKey: "",
+      cycleClipPlaneHotKey: "",
+      logLevel: "error",
+      loadingText: "",
+    });
+    this.#viewer.onLocationChange = (location) => onPlace(placeOf(location as Location));
+    this.canvas.addEventListener("keydown", this.#key);
+  }
+
+  /** Draw a volume, with labels over it where there are any. */
+  async open(image: Source, labels: Source | null): Promise<void> {
+    await this.#viewer.attachToCanvas(this.canvas);
+    const base = await NVImage.loadFromUrl({
+      url: image.name,
+      name: image.name,
+      buffer: image.content,
+      colormap: "gray",
+    });
+    if (this.#closed) return;
+    this.#viewer.addVolume(base);
+    if (labels) {
+      const overlay = await NVImage.loadFromUrl({ url: labels.name, name: labels.name, buffer: labels.content });
+      if (this.#closed) return;
+      overlay.setColormapLabel(labelColors());
+      this.#viewer.addVolume(overlay);
+    }
+  }
+
+  /** Intensities from the darkest to the brightest, and those that make a good first picture. */
+  get intensities(): { range: [number, number]; robust: [number, number] } {
+    const base = this.#viewer.volumes[0];
+    return {
+      range: [base?.global_min ?? 0, base?.global_max ?? 1],
+      robust: [base?.robust_min ?? base?.cal_min ?? 0, base?.robust_max ?? base?.cal_max ?? 1],
+    };
+  }
+
+  show(display: Display): void {
+    const viewer = this.#viewer;
+    const [base, overlay] = viewer.volumes;
+    if (!base) return;
+    viewer.opts.isRadiologicalConvention = display.radiological;
+    viewer.opts.atlasOutline = display.outline ? 1 : 0;
+    [base.cal_min, base.cal_max] = display.window;
+    if (overlay) overlay.opacity = display.opacity;
+    if (display.layout === "slices") {
+      // Axial large, as it is read first; the others beside it.
+      viewer.setCustomLayout([
+        { sliceType: SLICE_TYPE.AXIAL, position: [0, 0, 0.58, 1] },
+        { sliceType: SLICE_TYPE.CORONAL, position: [0.58, 0, 0.42, 0.5] },
+        { sliceType: SLICE_TYPE.SAGITTAL, position: [0.58, 0.5, 0.42, 0.5] },
+      ]);
+    } else {
+      viewer.clearCustomLayout();
+      viewer.setSliceType(SLICES[display.layout]);
+    }
+    viewer.updateGLVolume();
+  }
+
+  /** Move the crosshair to a point given in RAS mm. */
+  goTo([x, y, z]: readonly [number, number, number]): void {
+    const viewer = this.#viewer;
+    if (viewer.volumes.length === 0) return;
+    viewer.scene.crosshairPos = viewer.mm2frac([x, y, z]);
+    viewer.createOnLocationChange();
+    viewer.drawScene();
+  }
+
+  close(): void {
+    this.#closed = true;
+    this.canvas.removeEventListener("keydown", this.#key);
+    this.#viewer.cleanup();
+    // A browser keeps a handful of contexts; one that is only forgotten counts until it is collected.
+    this.canvas.getContext("webgl2")?.getExtension("WEBGL_lose_context")?.loseContext();
+    this.canvas.remove();
+  }
+
+  /** Arrows move the crosshair in the axial plane, page up and page down through it. */
+  #key = (event: KeyboardEvent) => {
+    const steps: Record<string, [number, number, number]> = {
+      ArrowLeft: [-1, 0, 0],
+      ArrowRight: [1, 0, 0],
+      ArrowDown: [0, -1, 0],
+      ArrowUp: [0, 1, 0],
+      PageDown: [0, 0, -1],
+      PageUp: [0, 0, 1],
+    };
+    const step = steps[event.key];
+    if (!step || event.ctrlKey || event.metaKey || event.altKey) return;
+    event.preventDefault();
+    const [x, y, z] = step;
+    this.#viewer.moveCrosshairInVox(this.#viewer.opts.isRadiologicalConvention ? -x : x, y, z);
+  };
+}
+
+function placeOf({ mm, values }: Location): Place {
+  return {
+    mm: [mm[0] ?? 0, mm[1] ?? 0, mm[2] ?? 0],
+    intensity: values[0]?.value ?? null,
+    label: Math.round(values[1]?.value ?? 0),
+  };
+}
+
+function labelColors() {
+  const colors = LABELS.map(({ color }) => rgb(color));
+  return {
+    R: [0, ...colors.map(([red]) => red)],
+    G: [0, ...colors.map(([, green]) => green)],
+    B: [0, ...colors.map(([, , blue]) => blue)],
+    A: [0, ...colors.map(() => 255)],
+    I: [0, ...LABELS.map(({ value }) => value)],
+    labels: ["", ...LABELS.map(({ name }) => name)],
+  };
+}
