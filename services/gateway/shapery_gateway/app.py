@@ -15,7 +15,7 @@ from shapery_gateway import __version__, openapi, problems
 from shapery_gateway.assets.routes import router as assets
 from shapery_gateway.backend import Backend
 from shapery_gateway.batches.routes import router as batches
-from shapery_gateway.dashboard.routes import router as dashboard
+from shapery_gateway.dashboard.routes import serve_dashboard
 from shapery_gateway.health.routes import router as health
 from shapery_gateway.jobs.routes import router as jobs
 from shapery_gateway.keys.routes import router as keys
@@ -85,8 +85,12 @@ def create_app(settings: Settings) -> FastAPI:
     )
     app.state.settings = settings
     problems.install(app)
-    for router in (health, kinds, uploads, assets, jobs, batches, keys, reference, dashboard):
+    routers = (health, kinds, uploads, assets, jobs, batches, keys, reference)
+    for router in routers:
         app.include_router(router)
+    app.state.api_routes = [route for router in routers for route in router.routes]
+    # Whatever no route knows. As a route of its own it would take every path for known, and answer 405 for 404.
+    app.router.default = serve_dashboard
     app.openapi = lambda: _document(app)  # type: ignore[method-assign]
     return app
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, TypeVar, TypeVarTuple, Unpack
+from typing import TYPE_CHECKING, TypeVar, TypeVarTuple
 
 from anyio import CapacityLimiter
 from anyio.to_thread import run_sync
@@ -69,7 +69,7 @@ class Backend:
         self.closing = False
         self._celery: Celery | None = None
 
-    async def run_storage(self, function: Callable[[Unpack[Ts]], T], *args: Unpack[Ts]) -> T:
+    async def run_storage(self, function: Callable[[*Ts], T], *args: *Ts) -> T:
         """Run what writes to storage in one of the threads set apart for it."""
         return await run_sync(function, *args, limiter=self._storage_threads)
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from fastapi import FastAPI, Request
@@ -105,15 +105,12 @@ def _field_problems(errors: Sequence[Any]) -> list[dict[str, str]]:
     return problems
 
 
-def allowed_methods(routes: Sequence[BaseRoute], scope: Scope) -> list[str]:
+def allowed_methods(routes: Iterable[BaseRoute], scope: Scope) -> list[str]:
     """Return every method that some route knows for the path of `scope`."""
     methods: set[str] = set()
     for route in routes:
-        match, child = route.matches(scope)
-        nested = getattr(route, "routes", None)
+        match, _ = route.matches(scope)
         if match is not Match.NONE:
-            if nested:
-                methods.update(allowed_methods(nested, {**scope, **child}))
             methods.update(getattr(route, "methods", None) or ())
     return sorted(methods)
 
@@ -148,7 +145,7 @@ async def _handle_http(request: Request, error: Exception) -> Response:
         code = "internal_error" if error.status_code >= 500 else "bad_request"
     detail, hint = str(error.detail), ""
     if error.status_code == 405:
-        methods = allowed_methods(request.app.routes, request.scope)
+        methods = allowed_methods(request.app.state.api_routes, request.scope)
         headers["Allow"] = ", ".join(methods)
         detail, hint = f"{request.method} is not possible here.", f"Possible: {', '.join(methods)}."
     elif error.status_code == 404:

@@ -22,6 +22,8 @@ from shapery_platform.settings import Settings
 MAX_HEADER_BYTES = 64 << 10
 HEADER_SECONDS = 20.0
 """How long a client may take to send the head of a request."""
+READY = "shapery-gateway ready at"
+"""Begins the line on standard output that says that the server is up, and where."""
 GRACE_SECONDS = 10
 """How long requests may take to end once the server was asked to stop; uploads keep what arrived."""
 
@@ -75,9 +77,11 @@ class BoundedProtocol(HttpToolsProtocol):
 
     def _head_is_late(self) -> None:
         self._head_timer = None
-        if self._in_head and self._head_bytes and not self.transport.is_closing():
+        if self.transport.is_closing():
+            return
+        if self._head_bytes:
             self._refuse("request_timeout", f"The head of the request took more than {HEADER_SECONDS:g} seconds.")
-        elif self._in_head and self.cycle is None and not self.transport.is_closing():
+        else:
             self.transport.close()  # connected and never said a word
 
     def _refuse(self, code: str, detail: str) -> None:
@@ -95,23 +99,46 @@ class BoundedProtocol(HttpToolsProtocol):
 
 
 class Server(uvicorn.Server):
-    """Ends event streams before it waits for connections to close, since they would never close by themselves."""
+    """Ends event streams before it waits for connections to close, since they would never close by themselves.
 
-    def __init__(self, config: uvicorn.Config, app: FastAPI, ready: str) -> None:
-        super().__init__(config)
+    Parameters
+    ----------
+    app
+        The app to serve.
+    settings
+        Host and port; port 0 takes a free one.
+    unix_socket
+        Listen on this socket instead.
+    """
+
+    def __init__(self, app: FastAPI, settings: Settings, *, unix_socket: Path | None = None) -> None:
+        where: dict[str, Any] = {"host": settings.host, "port": settings.port}
+        super().__init__(
+            uvicorn.Config(
+                app,
+                **({"uds": str(unix_socket)} if unix_socket else where),
+                loop="asyncio",
+                http=BoundedProtocol,
+                ws="none",
+                lifespan="on",
+                # `middleware.context` writes the access log
+                access_log=False,
+                log_config=None,
+                server_header=False,
+                timeout_keep_alive=30,
+                timeout_graceful_shutdown=GRACE_SECONDS,
+            )
+        )
         self._app = app
-        self._ready = ready
+        self._unix_socket = unix_socket
 
-    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        """Start, then say where."""
-        await super().startup(sockets)
-        if self.started and self.servers:
-            address = self.servers[0].sockets[0].getsockname() if self.servers[0].sockets else ""
-            if isinstance(address, tuple):
-                host = f"[{address[0]}]" if ":" in address[0] else address[0]
-                address = f"http://{host}:{address[1]}"
-            sys.stdout.write(f"{self._ready} {address}\n")
-            sys.stdout.flush()
+    @property
+    def address(self) -> str:
+        """Where the started server listens: ``http://127.0.0.1:8000``, or ``unix:/path``."""
+        if self._unix_socket is not None:
+            return f"unix:{self._unix_socket}"
+        host, port, *_ = self.servers[0].sockets[0].getsockname()
+        return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """End the streams, then stop."""
@@ -121,13 +148,22 @@ class Server(uvicorn.Server):
         await super().shutdown(sockets)
 
 
+class _AnnouncingServer(Server):
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        await super().startup(sockets)
+        if self.started:
+            # Whoever started this process with port 0 learns the port here.
+            sys.stdout.write(f"{READY} {self.address}\n")
+            sys.stdout.flush()
+
+
 def run(settings: Settings, *, unix_socket: Path | None = None, migrate: bool = False) -> None:
     """Serve until SIGINT or SIGTERM.
 
     Parameters
     ----------
     settings
-        Host and port, among others; port 0 takes a free one, which the ready line on standard output names.
+        Host and port, among others.
     unix_socket
         Listen on this socket instead.
     migrate
@@ -138,22 +174,4 @@ def run(settings: Settings, *, unix_socket: Path | None = None, migrate: bool = 
         database = Database(settings.database_url)
         database.migrate()
         database.dispose()
-    app = create_app(settings)
-    where: dict[str, Any] = {"uds": str(unix_socket)} if unix_socket else {"host": settings.host, "port": settings.port}
-    config = uvicorn.Config(
-        app,
-        **where,
-        loop="asyncio",
-        http=BoundedProtocol,
-        ws="none",
-        lifespan="on",
-        # `middleware.context` writes the access log
-        access_log=False,
-        log_config=None,
-        server_header=False,
-        proxy_headers=True,
-        timeout_keep_alive=30,
-        timeout_graceful_shutdown=GRACE_SECONDS,
-    )
-    server = Server(config, app, "shapery-gateway ready at")
-    server.run()
+    _AnnouncingServer(create_app(settings), settings, unix_socket=unix_socket).run()

@@ -62,7 +62,7 @@ async def create_batch(
     response: Response,
     idempotency_key: IdempotencyKey = None,
 ) -> BatchView:
-    """All items are valid, or no job is created. As NDJSON the items may come as they are made."""
+    """Create all jobs, or none where an item is not valid. As NDJSON the items may come as they are made."""
     batch = await service.create(backend, caller, request, idempotency_key)
     response.headers["Location"] = f"/v1/batches/{batch.id}"
     return batch
@@ -131,7 +131,7 @@ def stream_batch_results(backend: BackendDep, caller: Reader, batch_id: UUID) ->
     responses=problems(*COMMON_PROBLEMS, "not_found"),
 )
 def cancel_batch(session: WriteSession, caller: Writer, batch_id: UUID) -> BatchView:
-    """What has ended stays; what waits ends at once, what runs within a second or two."""
+    """Cancel what has not ended: what waits ends at once, what runs within a second or two."""
     return service.cancel(session, caller, batch_id)
 
 

@@ -2,28 +2,40 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter, Request, Response
-from fastapi.responses import FileResponse, HTMLResponse
+from anyio.to_thread import run_sync
 from starlette.exceptions import HTTPException
+from starlette.requests import Request
+from starlette.responses import FileResponse, HTMLResponse, Response
+from starlette.types import Receive, Scope, Send
 
 from shapery_gateway.dashboard.service import CONTENT_SECURITY_POLICY, NOT_BUILT, STATIC, StaticFile, find
 from shapery_gateway.http.ranges import etag_matches
 
-router = APIRouter(include_in_schema=False)
-
-_API_PREFIXES = ("v1/", "docs/", "healthz/", "readyz/", "metrics/", "assets/")
+_API_PREFIXES = ("v1/", "docs/", "openapi.json/", "healthz/", "readyz/", "metrics/", "assets/")
 """Below these a path that does not exist is an error, and not a page of the dashboard."""
 
 _PAGE_HEADERS = {"Content-Security-Policy": CONTENT_SECURITY_POLICY, "Cache-Control": "no-cache"}
 
 
-@router.api_route("/{path:path}", methods=["GET", "HEAD"])
-def get_dashboard(request: Request, path: str) -> Response:
-    """Serve a file of the dashboard, or its page for the paths that it routes itself."""
+async def serve_dashboard(scope: Scope, receive: Receive, send: Send) -> None:
+    """Answer what no route of the interface does: with a file of the dashboard, its page, or 404."""
+    if scope["type"] != "http":
+        raise HTTPException(404)
+    request = Request(scope, receive)
+    scope["state"]["route_template"] = "dashboard"
+    response = await run_sync(_answer, request)
+    await response(scope, receive, send)
+
+
+def _answer(request: Request) -> Response:
+    path = str(request.scope["path"]).removeprefix("/")
+    if request.method not in {"GET", "HEAD"}:
+        raise HTTPException(404)
     if path:
         file = find(STATIC, path)
         if file is not None:
             return _file_response(request, file)
+        # A page of the dashboard's own paths is asked for by a browser, which says so.
         if f"{path}/".startswith(_API_PREFIXES) or "text/html" not in request.headers.get("accept", ""):
             raise HTTPException(404)
     page = find(STATIC, "index.html")

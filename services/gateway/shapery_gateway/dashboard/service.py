@@ -11,25 +11,24 @@ from pathlib import Path, PurePosixPath
 
 STATIC = Path(__file__).resolve().parent.parent / "static"
 
-CONTENT_SECURITY_POLICY = "; ".join(
-    (
-        "default-src 'self'",
-        # WebAssembly is compiled by the viewers; nothing else may come from text.
-        "script-src 'self' 'wasm-unsafe-eval'",
-        # niivue and React set style attributes from scripts, which this allows; style elements in the page are not used
-        "style-src 'self' 'unsafe-inline'",
-        "img-src 'self' blob: data:",
-        "font-src 'self' data:",
-        "media-src 'self' blob:",
-        # viewers fetch what they have just made or carry with them
-        "connect-src 'self' blob: data:",
-        "worker-src 'self' blob:",
-        "object-src 'none'",
-        "base-uri 'none'",
-        "form-action 'self'",
-        "frame-ancestors 'none'",
-    )
+_POLICY = (
+    "default-src 'self'",
+    # WebAssembly is compiled by the viewers; nothing else may be made from text
+    "script-src 'self' 'wasm-unsafe-eval'",
+    # viewers put style elements of their own beside their canvas
+    "style-src 'self' 'unsafe-inline'",
+    "img-src 'self' blob: data:",
+    "font-src 'self' data:",
+    "media-src 'self' blob:",
+    # viewers fetch what they have just made, or carry with them
+    "connect-src 'self' blob: data:",
+    "worker-src 'self' blob:",
+    "object-src 'none'",
+    "base-uri 'none'",
+    "form-action 'self'",
+    "frame-ancestors 'none'",
 )
+CONTENT_SECURITY_POLICY = "; ".join(_POLICY)
 
 _TYPES = {
     ".js": "text/javascript",
@@ -43,7 +42,7 @@ _TYPES = {
     ".webmanifest": "application/manifest+json",
     ".woff2": "font/woff2",
 }
-"""By the ending; the system's own table differs from machine to machine, and browsers refuse scripts of a wrong type."""
+"""By the ending: the system's own table differs from machine to machine, and browsers refuse scripts of another."""
 
 _HASHED = re.compile(r"[.-][A-Za-z0-9_-]{8,}\.[a-z0-9]+$")
 

@@ -62,6 +62,6 @@ async def get_readiness(backend: BackendDep) -> ReadyView:
     responses={200: {"content": {"text/plain": {"schema": {"type": "string"}}}, "description": "Metrics as text."}},
 )
 async def get_metrics(backend: BackendDep) -> Response:
-    """Requests by route, queue lengths, jobs by state, live workers. Holds no names, ids or secrets."""
+    """Tell requests by route, queue lengths, jobs by state, live workers; no names, ids or secrets."""
     text = await run_sync(backend.metrics.render)
     return Response(text, headers={"Content-Type": CONTENT_TYPE})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import secrets
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from starlette.concurrency import iterate_in_threadpool
@@ -71,7 +71,7 @@ def content_response(request: Request, content: Content) -> Response:
         answer["Content-Range"] = ranges[0].content_range(content.size)
         answer["Content-Length"] = str(ranges[0].size)
         return _stream(request, 206, answer, media_type, content.read, ranges)
-    return _multipart(request, answer, media_type, content, ranges)
+    return _multipart(answer, media_type, content, ranges)
 
 
 def safe_media_type(media_type: str) -> str:
@@ -103,23 +103,15 @@ def _stream(
     if request.method == "HEAD":
         return Response(status_code=status, headers=headers, media_type=media_type)
     part = ranges[0]
-    body = iterate_in_threadpool(read(part.start, part.stop)) if part.size else _nothing()
+    # not even opened where there is nothing to read
+    body = iterate_in_threadpool(read(part.start, part.stop) if part.size else iter(()))
     return StreamingResponse(body, status, headers, media_type)
 
 
-async def _nothing() -> AsyncIterator[bytes]:
-    return
-    yield b""
-
-
-def _multipart(
-    request: Request, headers: dict[str, str], media_type: str, content: Content, ranges: list[ByteRange]
-) -> Response:
+def _multipart(headers: dict[str, str], media_type: str, content: Content, ranges: list[ByteRange]) -> Response:
     boundary = secrets.token_hex(16)
-    heads = [
-        f"--{boundary}\r\nContent-Type: {media_type}\r\nContent-Range: {part.content_range(content.size)}\r\n\r\n".encode()
-        for part in ranges
-    ]
+    opening = f"--{boundary}\r\nContent-Type: {media_type}\r\nContent-Range: "
+    heads = [f"{opening}{part.content_range(content.size)}\r\n\r\n".encode() for part in ranges]
     tail = f"--{boundary}--\r\n".encode()
     # Each part is followed by a line break of its own, which belongs to the delimiter after it.
     length = sum(len(head) + part.size + 2 for head, part in zip(heads, ranges, strict=True)) + len(tail)

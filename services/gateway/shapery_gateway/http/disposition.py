@@ -12,9 +12,9 @@ _RESERVED = re.compile(r'[<>:"|?*]')
 
 
 def safe_filename(name: str, fallback: str = "file") -> str:
-    """Return the last component of `name` without control characters, at most 255 bytes of UTF-8.
+    r"""Return the last component of `name` without control characters, at most 255 bytes of UTF-8.
 
-    The names of both kinds of paths are cut, since a browser may send ``C:\\scans\\head.nii``. Bidirectional and other
+    The names of both kinds of paths are cut, since a browser may send ``C:\scans\head.nii``. Bidirectional and other
     format characters go too: they can make ``exe.gpj`` look like ``jpg.exe``.
     """
     last = re.split(r"[/\\]", name)[-1]

@@ -67,7 +67,7 @@ def create_job(
     response: Response,
     idempotency_key: IdempotencyKey = None,
 ) -> JobView:
-    """The job is queued and can be followed at once. With an `Idempotency-Key` a repeated request makes no second."""
+    """Queue a job, which can be followed at once. With an `Idempotency-Key` a repeated request makes no second one."""
     job = service.create(session, backend, caller, request, idempotency_key)
     response.headers["Location"] = f"/v1/jobs/{job.id}"
     return job
@@ -127,7 +127,7 @@ async def stream_job_events(backend: BackendDep, caller: Reader, job_id: UUID, a
     responses=problems(*COMMON_PROBLEMS, "not_found", "invalid_transition"),
 )
 def cancel_job(session: WriteSession, caller: Writer, job_id: UUID) -> JobView:
-    """A queued job ends at once, a running one within a second or two."""
+    """End a queued job at once, a running one within a second or two."""
     return service.cancel(session, caller, job_id)
 
 

@@ -24,7 +24,7 @@ _EXAMPLE = {
 
 @router.get("", operation_id="listKeys", summary="List your keys", responses=problems(*COMMON_PROBLEMS))
 def list_keys(session: ReadSession, caller: Admin) -> Page[KeyView]:
-    """The keys of your owner that are not revoked, newest first, without their secrets."""
+    """List the keys of your owner that are not revoked, newest first, without their secrets."""
     return service.list_keys(session, caller)
 
 
@@ -38,7 +38,7 @@ def list_keys(session: ReadSession, caller: Admin) -> Page[KeyView]:
 def create_key(
     session: WriteSession, caller: Admin, request: Annotated[KeyCreate, Body(openapi_examples=_EXAMPLE)]
 ) -> KeyCreated:
-    """The key opens the same things as yours, within its scopes. Its secret is shown in this answer and never again."""
+    """Make a key to the same things as yours, within its scopes. Its secret is shown in this answer and never again."""
     return service.create(session, caller, request)
 
 

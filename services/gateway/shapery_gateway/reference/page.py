@@ -15,7 +15,7 @@ _STYLE = """
 :root{color-scheme:light dark;--line:#8885;--dim:#888;--get:#2a7;--post:#37c;--patch:#a70;--delete:#c44;--head:#777}
 body{font:15px/1.55 system-ui,sans-serif;max-width:60rem;margin:0 auto;padding:2rem 1rem 6rem}
 h1{font-size:1.8rem}h2{margin-top:3rem;border-bottom:1px solid var(--line)}
-code,pre{font:13px/1.45 ui-monospace,monospace}pre{overflow:auto;padding:.7rem;border:1px solid var(--line);border-radius:6px}
+code,pre{font:13px/1.45 ui-monospace,monospace}pre{overflow:auto;padding:.7rem;border:1px solid var(--line)}
 details{border:1px solid var(--line);border-radius:6px;margin:.5rem 0;padding:.5rem .8rem}
 summary{cursor:pointer}summary b{display:inline-block;min-width:4.5rem;text-transform:uppercase}
 .get{color:var(--get)}.post{color:var(--post)}.patch{color:var(--patch)}.delete{color:var(--delete)}
@@ -64,7 +64,8 @@ def _operation(method: str, path: str, operation: dict[str, Any]) -> str:
     parameters = operation.get("parameters", [])
     if parameters:
         rows = "".join(
-            f"<tr><td><code>{escape(item['name'])}</code>{' *' if item.get('required') else ''}<td class=dim>{escape(item['in'])}"
+            f"<tr><td><code>{escape(item['name'])}</code>{' *' if item.get('required') else ''}"
+            f"<td class=dim>{escape(item['in'])}"
             f"<td>{_text(item.get('description', ''))}<td><code>{escape(_kind(item.get('schema', {})))}</code>"
             for item in parameters
         )

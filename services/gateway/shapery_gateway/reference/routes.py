@@ -15,14 +15,14 @@ router = APIRouter(include_in_schema=False, dependencies=[PublicCaller])
 
 @router.get("/openapi.json")
 def get_openapi(request: Request) -> JSONResponse:
-    """The interface in OpenAPI 3.1."""
+    """Give the interface in OpenAPI 3.1."""
     document: dict[str, Any] = request.app.openapi()
     return JSONResponse(document, headers={"Cache-Control": "no-cache"})
 
 
 @router.get("/docs")
 def get_docs(request: Request) -> HTMLResponse:
-    """The same as a page to read."""
+    """Give the same as a page to read."""
     app = request.app
     if not hasattr(app.state, "reference_page"):
         app.state.reference_page = render(app.openapi())

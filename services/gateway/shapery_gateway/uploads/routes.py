@@ -135,7 +135,7 @@ def get_upload(session: ReadSession, caller: Writer, upload_id: UUID) -> Respons
     },
 )
 async def append_to_upload(backend: BackendDep, caller: Writer, request: Request, upload_id: UUID) -> Response:
-    """What arrives is kept, also when the connection breaks, unless a checksum was sent that then cannot be checked.
+    """Send bytes. What arrives is kept, also when the connection breaks, unless a checksum came that cannot be checked.
 
     The answer to the last bytes names the asset in `Upload-Asset-Id`.
     """
@@ -151,6 +151,6 @@ async def append_to_upload(backend: BackendDep, caller: Writer, request: Request
     responses=problems(*COMMON_PROBLEMS, "not_found", "upload_locked", "precondition_failed"),
 )
 def delete_upload(backend: BackendDep, caller: Writer, upload_id: UUID) -> Response:
-    """The bytes are removed. The asset of a finished upload stays."""
+    """Remove what was sent. The asset of a finished upload stays."""
     service.terminate(backend, caller, upload_id)
     return Response(status_code=204)
