@@ -1,0 +1,221 @@
+"""Which voxels are brain: of volumes that were stripped of the skull already, and of whole heads.
+
+A whole head enhances outside the brain too (skin, mucosa, dural sinuses), and its fat and air would spoil the fit of
+one volume to the other. The mask need not be exact to a voxel; it must hold all tumors and no scalp.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from shapery_contracts.errors import InvalidInput
+from shapery_geometry.volume import Volume
+from shapery_segmentation.preparation import WorkingGrid, working_grid
+
+BoolArray = NDArray[np.bool_]
+
+COARSE = 3.0
+"""mm. Skull and scalp are thicker than this almost everywhere, and a head is then half a million voxels."""
+
+STRIPPED_SHARE = 0.55
+"""A small foreground that is brain by this share was stripped before; of a whole head, the brain is about 40 %."""
+
+LARGEST_BRAIN = 2.0e6
+"""mm³ that no brain with its fluid exceeds, but a head with its face does."""
+
+LEAST_BRAIN = 50e3
+"""mm³ of brain without which nothing can be judged (an adult's has 1.1 to 1.6 million)."""
+
+FACES = ndimage.generate_binary_structure(3, 1)
+BALL = ndimage.generate_binary_structure(3, 2)
+
+
+@dataclass(frozen=True, eq=False)
+class Brain:
+    """Where the brain is.
+
+    Parameters
+    ----------
+    grid
+        The working grid, cropped to the brain.
+    mask : (I, J, K) bool
+        On `grid`.
+    stripped
+        Whether the volume held the brain alone.
+    """
+
+    grid: WorkingGrid
+    mask: BoolArray
+    stripped: bool
+
+
+def find_brain(reference: Volume, post: Volume) -> Brain:
+    """Find the brain and the working grid around it.
+
+    Parameters
+    ----------
+    reference
+        The volume to judge from: before contrast where there is one, since tumors differ least from brain there.
+    post
+        The volume after contrast.
+
+    Raises
+    ------
+    InvalidInput
+        ``invalid_volume`` where nothing brain-like is in it.
+    """
+    full = working_grid(post)
+    coarse = working_grid(post, spacing=COARSE)
+    image = coarse.sample(reference)
+    missing = ~np.isfinite(image)
+    background = _background_value(reference)
+    image[missing] = background if background is not None else float(np.nanmin(image))
+
+    if background is not None:
+        # Averages of background and brain lie between the two: more than half of the block must be brain.
+        occupied = coarse.sample(reference.with_data((reference.data != background).astype(np.float32)))
+        foreground = (np.nan_to_num(occupied, nan=0.0) > 0.5) & ~missing
+    else:
+        foreground = (image > otsu(image[~missing])) & ~missing
+    foreground = largest_part(foreground)
+    if foreground.sum() * COARSE**3 < LEAST_BRAIN:
+        raise InvalidInput(
+            "invalid_volume",
+            f"The volume shows {foreground.sum() * COARSE**3 / 1000:.3g} ml of tissue: too little for a brain.",
+            "Give the whole volume; if its header has a wrong spacing, mend that.",
+        )
+    inner = _strip(image, foreground)
+    small = foreground.sum() * COARSE**3 < LARGEST_BRAIN
+    stripped = bool(background is not None and small and inner.sum() > STRIPPED_SHARE * foreground.sum())
+    brain = foreground if stripped else inner
+    if brain.sum() * COARSE**3 < LEAST_BRAIN:
+        raise InvalidInput(
+            "invalid_volume",
+            f"Of the head in the volume, {brain.sum() * COARSE**3 / 1000:.3g} ml look like brain: too little.",
+            "Give T1 volumes of the head, or volumes stripped of the skull.",
+        )
+
+    grid = full.cropped(*_box_on(full, coarse, brain))
+    if stripped:
+        mask = _upsampled(grid, coarse, dilated(brain, 2))
+        for volume in (reference,) if reference is post else (reference, post):
+            mask &= _not_background(grid, volume)
+    else:
+        mask = _upsampled(grid, coarse, brain)
+    return Brain(grid, mask, stripped)
+
+
+def otsu(values: NDArray[Any]) -> float:
+    """Return the threshold that separates `values` into two classes of least variance within (N. Otsu, 1979)."""
+    low, high = (float(v) for v in np.percentile(values, (0.5, 99.5)))
+    if high <= low:
+        return low
+    counts, edges = np.histogram(values, bins=256, range=(low, high))
+    centres = (edges[1:] + edges[:-1]) / 2
+    weight = np.cumsum(counts)
+    moment = np.cumsum(counts * centres)
+    rest = weight[-1] - weight
+    with np.errstate(divide="ignore", invalid="ignore"):
+        between = (moment[-1] * weight / weight[-1] - moment) ** 2 / (weight * rest)
+    return float(centres[int(np.nanargmax(between))])
+
+
+def largest_part(mask: BoolArray) -> BoolArray:
+    """Return the largest part of `mask` that is connected through faces; `mask` itself if it is empty."""
+    labels, count = ndimage.label(mask)
+    if count < 2:
+        return mask
+    sizes = np.bincount(labels.ravel())
+    sizes[0] = 0
+    return np.asarray(labels == int(sizes.argmax()))
+
+
+def dilated(mask: BoolArray, steps: int) -> BoolArray:
+    """Return `mask` grown by voxels: alternating face and edge neighbours, nearly a ball."""
+    for step in range(steps):
+        mask = ndimage.binary_dilation(mask, BALL if step % 2 else FACES)
+    return mask
+
+
+def eroded(mask: BoolArray, steps: int) -> BoolArray:
+    """Return `mask` shrunk by voxels; what lies outside the array does not belong to it."""
+    for step in range(steps):
+        mask = ndimage.binary_erosion(mask, BALL if step % 2 else FACES)
+    return mask
+
+
+def closed(mask: BoolArray, steps: int) -> BoolArray:
+    """Return `mask` with its gaps of up to twice `steps` voxels closed and its holes filled."""
+    wide = np.pad(mask, steps + 1)
+    wide = eroded(dilated(wide, steps), steps)
+    inside = (slice(steps + 1, -steps - 1),) * 3
+    return np.asarray(ndimage.binary_fill_holes(wide)[inside] | mask)
+
+
+def _strip(image: NDArray[np.float32], foreground: BoolArray) -> BoolArray:
+    """Return the brain of a whole head, on the coarse grid.
+
+    The tissue deep in the head tells the brain's intensities; of the voxels that have them, those that hang together
+    after an erosion (which cuts the bridges of meninges, nerves and vessels through the skull) are grown back.
+    """
+    head = closed(foreground, 3)
+    depth = ndimage.distance_transform_edt(np.pad(head, 1))[1:-1, 1:-1, 1:-1] * COARSE
+    deep = head & (depth > min(30.0, 0.6 * float(depth.max())))
+    values = image[deep]
+    if values.size == 0:
+        return np.zeros_like(foreground)
+    middle = float(np.median(values))
+    spread = 1.4826 * float(np.median(np.abs(values - middle)))
+    tissue = head & (image > middle - 2.5 * spread) & (image > 0.5 * middle) & (image < middle + 4.0 * spread)
+    # Scalp is never deeper than this; near the rim only what an inner core reaches counts.
+    seed = eroded(tissue & (depth > 6.0), 3)
+    labels, count = ndimage.label(seed)
+    if count == 0:
+        return np.zeros_like(foreground)
+    # The part with the most depth, not the most voxels: muscles of the neck are large, but near the skin.
+    weight = ndimage.sum_labels(np.where(seed, depth, 0.0), labels, np.arange(1, count + 1))
+    core = labels == int(np.argmax(weight)) + 1
+    grown = dilated(core, 4) & tissue & (depth > 4.0)
+    return np.asarray(closed(largest_part(grown), 4) & (depth > 4.0))
+
+
+def _background_value(volume: Volume) -> float | None:
+    """Return the value that fills the space around a stripped brain, or None where the background is not constant."""
+    data = volume.data
+    corners = data[:: max(1, data.shape[0] - 1), :: max(1, data.shape[1] - 1), :: max(1, data.shape[2] - 1)]
+    values, counts = np.unique(corners[np.isfinite(corners)], return_counts=True)
+    if not len(values):
+        return None
+    value = values[int(counts.argmax())]
+    share = float(np.count_nonzero(data == value)) / data.size
+    return float(value) if share > 0.15 else None
+
+
+def _not_background(grid: WorkingGrid, volume: Volume) -> BoolArray:
+    background = _background_value(volume)
+    if background is None:
+        return np.ones(grid.shape, dtype=np.bool_)
+    values = grid.sample(volume.with_data((volume.data != background).astype(np.float32)))
+    return np.asarray(np.nan_to_num(values, nan=0.0) > 0.5)
+
+
+def _upsampled(grid: WorkingGrid, coarse: WorkingGrid, mask: BoolArray) -> BoolArray:
+    values = grid.sample(Volume(mask.astype(np.float32), coarse.affine))
+    return np.asarray(np.nan_to_num(values, nan=0.0) >= 0.5)
+
+
+def _box_on(full: WorkingGrid, coarse: WorkingGrid, mask: BoolArray) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return first and one past last voxel of `full` around `mask`, with a margin for filters."""
+    inside = np.argwhere(mask)
+    low, high = inside.min(axis=0) - 1.5, inside.max(axis=0) + 1.5
+    corners = np.array(np.meshgrid(*zip(low, high, strict=True), indexing="ij")).reshape(3, -1).T
+    world = corners @ coarse.affine[:3, :3].T + coarse.affine[:3, 3]
+    index = (world - full.affine[:3, 3]) @ np.linalg.inv(full.affine[:3, :3]).T
+    first = np.maximum(np.floor(index.min(axis=0)) - 2, 0).astype(np.int64)
+    last = np.minimum(np.ceil(index.max(axis=0)) + 3, full.shape).astype(np.int64)
+    return first, last

@@ -1,0 +1,178 @@
+"""Where the surface may go: the density gate against leaks, and the region that a seed reaches through it.
+
+A tumor touches vessels and meninges that enhance as it does. They are thin: around their voxels the share of enhancing
+voxels is low, and an erosion parts them. The gate lets the surface move only near voxels that are enhancing, densely
+surrounded by enhancing voxels, and connected to the seed through more than a thread of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from shapery_segmentation import _gate_kernels as kernels
+
+FloatArray = NDArray[np.float32]
+BoolArray = NDArray[np.bool_]
+
+DENSITY_SCALE = 2.0
+"""mm: standard deviation of the Gaussian that measures how densely voxels enhance."""
+
+LEAST_DENSITY = 0.4
+"""A plane surface has 0.5 at its border; a sheet of 2 mm has 0.38, a tube of 4 mm across 0.39."""
+
+REACH = 2.9
+"""mm beyond dense voxels in which the surface may move: sharp corners are less dense than their inside."""
+
+LEVEL = 0.45
+"""Share of the median enhancement inside at which the border lies. Less than half: the darker margin of a tumor belongs
+to it, and partial volume with the dark necrosis shifts the half maximum inwards."""
+
+LEVEL_RANGE = (1.2, 2.25)
+"""Bounds of the threshold in units of the calibrated difference: below, normal tissue begins; above, a bright tumor
+would lose the margin that is anything but normal."""
+
+_MARGIN = 8
+"""Voxels between a region and the border of the box it is worked out in; the density looks 6 mm far."""
+
+
+@dataclass(frozen=True, eq=False)
+class Region:
+    """What a seed reaches.
+
+    Parameters
+    ----------
+    box
+        Slices of the working grid that `inside` and `allowed` lie on.
+    inside : bool
+        The voxels above the threshold that the seed reaches through the gate.
+    allowed : bool
+        Where the surface may move.
+    threshold
+        In units of the calibrated difference.
+    """
+
+    box: tuple[slice, slice, slice]
+    inside: BoolArray
+    allowed: BoolArray
+    threshold: float
+
+
+def running_threshold(values: NDArray[np.floating]) -> float:
+    """Return the threshold that follows from the enhancement inside an object: 0.45 of its median, within bounds."""
+    return float(np.clip(LEVEL * float(np.median(values)), *LEVEL_RANGE))
+
+
+def dense(enhancing: BoolArray, spacing: float) -> BoolArray:
+    """Return the voxels that enhance and around which enough others do.
+
+    Parameters
+    ----------
+    enhancing : (I, J, K) bool
+        Where the calibrated difference exceeds the threshold.
+    spacing
+        Edge of a voxel in mm.
+    """
+    density = ndimage.gaussian_filter(
+        enhancing.astype(np.float32), DENSITY_SCALE / spacing, truncate=3.0, mode="nearest"
+    )
+    return np.asarray(enhancing & (density > LEAST_DENSITY))
+
+
+def within(mask: BoolArray, radius: float) -> BoolArray:
+    """Return the voxels at most `radius` voxels from one of `mask`, itself included."""
+    reach = int(radius)
+    grid = np.stack(np.meshgrid(*(np.arange(-reach, reach + 1),) * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    offsets = grid[(grid**2).sum(axis=1) <= radius**2].astype(np.int64)
+    out = np.zeros_like(mask)
+    kernels.stamp(np.ascontiguousarray(mask), offsets, out)
+    return out
+
+
+def reach(field: FloatArray, brain: BoolArray, seed: BoolArray, spacing: float, *, rounds: int = 4) -> Region:
+    """Return the region that `seed` reaches.
+
+    Parameters
+    ----------
+    field : (I, J, K) float32
+        Calibrated difference.
+    brain : (I, J, K) bool
+    seed : (I, J, K) bool
+        Voxels inside the object, at least one.
+    spacing
+        Edge of a voxel in mm.
+    rounds
+        How often threshold and region are made from each other at the most.
+
+    Notes
+    -----
+    In turns: threshold from the median of what is inside; dense voxels whose six neighbours enhance too, as far as they
+    are connected to the inside; 2.9 mm around them; the enhancing voxels in there that are connected to the inside. The
+    threshold falls as the region takes in weaker parts; the gate keeps it from taking in everything.
+    """
+    box = _box_around(seed, seed.shape, 3 * _MARGIN)
+    while True:
+        region = _reach_in(field, brain, seed, spacing, rounds, box)
+        touched = _box_around(region.inside, region.inside.shape, _MARGIN)
+        cut = [
+            (t.start == 0 and b.start > 0) or (t.stop == b.stop - b.start and b.stop < n)
+            for t, b, n in zip(touched, box, seed.shape, strict=True)
+        ]
+        if not any(cut):
+            return region
+        whole = np.zeros_like(seed)
+        whole[box] = region.inside
+        box = _box_around(whole | seed, seed.shape, 4 * _MARGIN)
+
+
+def _reach_in(
+    field: FloatArray,
+    brain: BoolArray,
+    seed: BoolArray,
+    spacing: float,
+    rounds: int,
+    box: tuple[slice, slice, slice],
+) -> Region:
+    values, usable, inside = field[box], brain[box], seed[box]
+    allowed = inside
+    threshold, previous = 0.0, -1
+    faces = ndimage.generate_binary_structure(3, 1)
+    for _ in range(rounds):
+        threshold = running_threshold(values[inside])
+        enhancing = (values > threshold) & usable
+        solid = dense(enhancing, spacing) & ndimage.binary_erosion(enhancing, faces)
+        core = _connected(solid, inside)
+        if not core.any():
+            # Too thin for the gate: the seed alone is what there is.
+            core = inside & enhancing if (inside & enhancing).any() else inside
+        allowed = within(core, REACH / spacing) & usable
+        inside = _connected(enhancing & allowed, inside | core)
+        count = int(np.count_nonzero(inside))
+        if count == 0:
+            inside = seed[box]
+            break
+        if abs(count - previous) <= 0.002 * count:
+            break
+        previous = count
+    return Region(box, inside, allowed, threshold)
+
+
+def _connected(mask: BoolArray, start: BoolArray) -> BoolArray:
+    """Return the parts of `mask`, connected through faces, that have a voxel in common with `start`."""
+    labels, count = ndimage.label(mask)
+    hit = np.zeros(count + 1, dtype=np.bool_)
+    hit[labels[start & mask]] = True
+    hit[0] = False
+    return np.asarray(hit[labels])
+
+
+def _box_around(mask: BoolArray, shape: tuple[int, ...], margin: int) -> tuple[slice, slice, slice]:
+    bounds = []
+    for axis in range(3):
+        line = np.flatnonzero(mask.any(axis=tuple(a for a in range(3) if a != axis)))
+        bounds.append((int(line[0]), int(line[-1]) + 1) if len(line) else (0, shape[axis]))
+    i, j, k = (slice(max(a - margin, 0), min(b + margin, n)) for (a, b), n in zip(bounds, shape, strict=True))
+    return i, j, k
