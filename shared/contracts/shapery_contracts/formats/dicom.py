@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import re
 import struct
+from enum import Enum, auto
 from types import MappingProxyType
 from typing import Final
 
@@ -55,6 +56,21 @@ NOT_IMAGES: Final = MappingProxyType(
 def looks_like_dicom(head: bytes) -> bool:
     """Tell whether the first bytes are those of a DICOM file with its preamble."""
     return head[128:132] == b"DICM"
+
+
+class _End(Enum):
+    """Where the walk over a file's beginning ended."""
+
+    PIXELS = auto()
+    """At its pixels."""
+    BEYOND = auto()
+    """Behind the place where they would stand."""
+    FILE = auto()
+    """Where the window ends, between two elements."""
+    CUT = auto()
+    """Where the window ends, inside an element."""
+    PACKED = auto()
+    """Where the deflated part begins."""
 
 
 class _Window:
@@ -118,8 +134,8 @@ class _Window:
         return False
 
 
-def _elements(head: bytes) -> tuple[dict[int, bytes], bool, bool]:
-    """Return the wanted values, whether pixels were met, and whether the window was walked to an element beyond them.
+def _elements(head: bytes) -> tuple[dict[int, bytes], _End]:
+    """Return the wanted values and where the walk ended.
 
     Raises
     ------
@@ -135,30 +151,31 @@ def _elements(head: bytes) -> tuple[dict[int, bytes], bool, bool]:
         if found is None:
             if in_meta:
                 raise corrupt(f"The DICOM file is cut off after {len(head)} bytes.")
-            return values, False, False
+            # An element that is cut leaves the position before or behind the end.
+            return values, _End.FILE if window.position == len(head) else _End.CUT
         tag, vr, length = found
         if in_meta and tag >> 16 != 0x0002:
             syntax = values.get(_TRANSFER_SYNTAX, b"").rstrip(b"\0 ").decode("latin-1")
             if not re.fullmatch(r"[0-9.]{1,64}", syntax):
                 raise corrupt("The DICOM file does not say how it is encoded (no transfer syntax).")
             if syntax == _DEFLATED:
-                return values, False, False
+                return values, _End.PACKED
             in_meta = False
             window.implicit = syntax == _IMPLICIT_LE
             window.order = ">" if syntax == _EXPLICIT_BE else "<"
             window.position = start
             continue
         if tag in _PIXELS:
-            return values, True, True
+            return values, _End.PIXELS
         if tag >> 16 > 0x7FE0:
-            return values, False, True
+            return values, _End.BEYOND
         if not window.implicit and not re.fullmatch(rb"[A-Z]{2}", vr):
             raise corrupt(f"The DICOM file is damaged at byte {start}.")
         if length == _UNDEFINED:
             if vr not in (b"SQ", b"UN", b""):
                 raise corrupt(f"The DICOM file is damaged at byte {start}.")
             if not window.skip_sequence(vr):
-                return values, False, False
+                return values, _End.CUT
             continue
         if tag in _WANTED and length <= 256:
             values[tag] = head[window.position : window.position + length]
@@ -178,7 +195,7 @@ def recognise(head: bytes, size: int) -> FileFormat:
     InvalidInput
         ``corrupt_file``, or ``unsupported_format`` for what is no image.
     """
-    values, pixels, walked = _elements(head)
+    values, end = _elements(head)
     text = {tag: value.rstrip(b"\0 ").decode("latin-1") for tag, value in values.items()}
     sop_class = text.get(_SOP_CLASS, "")
     if sop_class in NOT_IMAGES or sop_class.startswith("1.2.840.10008.5.1.4.1.1.88."):
@@ -186,12 +203,12 @@ def recognise(head: bytes, size: int) -> FileFormat:
         raise unsupported(f"The DICOM file holds {what}, not an image.", "Send the images of one series.")
     order = ">" if text[_TRANSFER_SYNTAX] == _EXPLICIT_BE else "<"
     columns, rows = (_unsigned(values.get(tag, b""), order) for tag in (_COLUMNS, _ROWS))
-    complete = walked or size <= len(head)
-    if complete and text[_TRANSFER_SYNTAX] != _DEFLATED:
-        if (walked and not pixels) or not (rows and columns):
-            raise unsupported("The DICOM file holds no image.", "Send the images of one series.")
-        if not pixels:
-            raise corrupt("The DICOM file is cut off before its pixels.")
+    if end in (_End.FILE, _End.CUT) and size > len(head):
+        end = _End.PACKED  # what follows the window is for the reader to judge
+    if end is _End.CUT:
+        raise corrupt(f"The DICOM file is cut off after {size} bytes, before its pixels.", "Send it again.")
+    if end in (_End.FILE, _End.BEYOND) or (end is _End.PIXELS and not (rows and columns)):
+        raise unsupported("The DICOM file holds no image.", "Send the images of one series.")
     details: Details = {"transfer_syntax": text[_TRANSFER_SYNTAX]}
     if _MODALITY in text and re.fullmatch(r"[A-Z0-9_ ]{1,16}", text[_MODALITY]):
         details["modality"] = text[_MODALITY]

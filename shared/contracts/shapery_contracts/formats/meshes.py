@@ -19,10 +19,13 @@ from shapery_contracts.formats.model import (
 )
 
 OBJ_KEYWORDS: Final = frozenset(
-    """
-    v vn vt vp f fo l p o g s mg mtllib usemtl maplib usemap bevel c_interp d_interp lod shadow_obj trace_obj
-    cstype deg bmat step curv curv2 surf parm trim hole scrv sp end con ctech stech call csh
-    """.split()
+    re.findall(
+        r"\S+",
+        """
+        v vn vt vp f fo l p o g s mg mtllib usemtl maplib usemap bevel c_interp d_interp lod shadow_obj trace_obj
+        cstype deg bmat step curv curv2 surf parm trim hole scrv sp end con ctech stech call csh
+        """,
+    )
 )
 _NUMBER: Final = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?|[-+]?(?:nan|inf)"
 _OBJ_VERTEX: Final = re.compile(rf"v(?:\s+(?:{_NUMBER})){{3,7}}\s*", re.IGNORECASE)

@@ -44,7 +44,7 @@ KNOWN_FORMATS: Final = (
         ("application/x-metaimage", _ZIP),
     ),
     KnownFormat(
-        "dicom", AssetKind.VOLUME, "One DICOM file; a series is several of them", (".dcm",), ("application/dicom",)
+        "dicom", AssetKind.VOLUME, "A DICOM file; a series is several of them", (".dcm",), ("application/dicom",)
     ),
     KnownFormat("dicom-zip", AssetKind.VOLUME, "A DICOM series as a zip", (".zip",), (_ZIP,)),
     KnownFormat("obj", AssetKind.MESH, "Wavefront OBJ", (".obj",), ("model/obj",)),

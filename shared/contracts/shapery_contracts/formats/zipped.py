@@ -1,4 +1,4 @@
-"""What zip archives hold: a sequence of meshes (npz, or a file per frame), a DICOM series, or a header with its data."""
+"""What zip archives hold: a mesh sequence (npz, or a file per frame), a DICOM series, or a header with its data."""
 
 from __future__ import annotations
 

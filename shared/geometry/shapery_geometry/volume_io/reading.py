@@ -120,6 +120,23 @@ def _companion(path: Path, stream: BinaryIO, size: int) -> Path | None:
     InvalidInput
         ``corrupt_file`` if it is one, and the data file is missing or too short.
     """
+    data = _named_data(path, stream)
+    if data is None:
+        return None
+    if not data.is_file():
+        raise corrupt(
+            f"The header {path.name!r} names the data file {data.name!r}, which does not lie beside it.",
+            "Send both together.",
+        )
+    stream.seek(0)
+    head = stream.read(nrrd.MAX_HEADER)
+    recognise = nrrd.recognise if head.startswith(nrrd.MAGIC) else metaimage.recognise
+    recognise(head, size, detached=data.stat().st_size)
+    return data
+
+
+def _named_data(path: Path, stream: BinaryIO) -> Path | None:
+    """Return the path of the data file that a detached header names; None if `path` is no such header."""
     head = stream.read(_PEEK)
     if head.startswith(nrrd.MAGIC):
         name = nrrd.parse_header(head + stream.read(nrrd.MAX_HEADER - len(head))).data_file
@@ -129,16 +146,7 @@ def _companion(path: Path, stream: BinaryIO, size: int) -> Path | None:
         name = header.data_file
     else:
         return None
-    if not name:
-        return None
-    data = path.parent / zipped.companion_name(path.name, name)
-    if not data.is_file():
-        raise corrupt(
-            f"The header names the data file {name[:80]!r}, which does not lie beside it.", "Send both together."
-        )
-    recognise = nrrd.recognise if head.startswith(nrrd.MAGIC) else metaimage.recognise
-    recognise(head, size, detached=data.stat().st_size)
-    return data
+    return path.parent / zipped.companion_name(path.name, name) if name else None
 
 
 def _open_pair(header: Path, data: Path, stack: contextlib.ExitStack) -> VolumeSource:
@@ -174,6 +182,9 @@ def _open_folder(folder: Path, series: str | None, limits: ReadLimits, stack: co
     if slices:
         others = [str(path.relative_to(folder)) for path in files if path not in set(slices)]
         return DicomSource(FileList.of_paths(slices, folder), series=series, limits=limits, left_out=others)
+    # A data file may look like a volume of its own: packed with gzip, it does.
+    owned = {_data_of(path) for path in volumes if not heads[path].startswith(b"\x1f\x8b")}
+    volumes = [path for path in volumes if path not in owned]
     if len(volumes) == 1:
         return _open_file(volumes[0], series, limits, stack)
     if volumes:
@@ -184,6 +195,11 @@ def _open_folder(folder: Path, series: str | None, limits: ReadLimits, stack: co
         f"None of the {len(files)} files in the folder is a volume or a DICOM slice.",
         "Send a volume.",
     )
+
+
+def _data_of(path: Path) -> Path | None:
+    with path.open("rb") as stream:
+        return _named_data(path, stream)
 
 
 def _files(folder: Path, limits: ReadLimits) -> list[Path]:
