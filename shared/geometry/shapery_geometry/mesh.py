@@ -20,7 +20,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class TriangleMesh:
     """A triangle mesh in space.
 
@@ -45,9 +45,10 @@ class TriangleMesh:
     vertices: FloatArray
     faces: IntArray
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "vertices", checked_vertices(self.vertices))
-        object.__setattr__(self, "faces", checked_faces(self.faces, len(self.vertices)))
+    def __init__(self, vertices: ArrayLike, faces: ArrayLike) -> None:
+        points = checked_vertices(vertices)
+        object.__setattr__(self, "vertices", points)
+        object.__setattr__(self, "faces", checked_faces(faces, len(points)))
 
     def __repr__(self) -> str:
         return f"TriangleMesh({len(self.vertices)} vertices, {len(self.faces)} faces)"
