@@ -1,0 +1,1 @@
+"""Flows of a surface over a volume (3.4)."""

@@ -1,0 +1,224 @@
+"""Passes over all edges: split the long, collapse the short, flip those that triangles squeeze."""
+
+# mypy: allow-untyped-defs, allow-untyped-calls
+
+import numpy as np
+from numba import njit
+
+from shapery_segmentation.mesh._contact_kernels import cross, dot, inner, subtract
+from shapery_segmentation.mesh._grid_kernels import point
+from shapery_segmentation.mesh._operation_kernels import (
+    collapse_edge,
+    flip_edge,
+    following,
+    origin,
+    preceding,
+    room_for_split,
+    split_edge,
+    squared_length,
+    twin,
+    valence,
+)
+from shapery_segmentation.mesh.arrays import (
+    AREA,
+    FACE_TOP,
+    NORMAL,
+    OUT,
+    SCALE,
+    TOUCHED,
+)
+
+DELAUNAY_SLACK = 0.05
+"""An edge is flipped where the cotangents of the angles opposite sum to less than minus this: no endless flipping of
+four points on a circle."""
+
+
+@inner
+def _longest_of_face(m, h):
+    """Return whether no other edge of its face is longer than `h`."""
+    hn, hp = following(h), preceding(h)
+    own = squared_length(m, origin(m, h), origin(m, hn))
+    return own >= squared_length(m, origin(m, hn), origin(m, hp)) and own >= squared_length(
+        m, origin(m, hp), origin(m, h)
+    )
+
+
+@njit(cache=True, nogil=True)
+def split_pass(m, start, length, ratio, active):
+    """Split edges that are longer than their target and the longest of one of their faces.
+
+    Parameters
+    ----------
+    m : MeshArrays
+    start : int
+        Half-edge to begin with.
+    length : float
+        Target edge length in mm where ``scale`` is 1; elsewhere the lesser of its ends' scales times this.
+    ratio : float
+        Multiple of the target above which an edge is split.
+    active : (V,) int8
+        An edge is looked at where this is set at one of its ends or either end was created in this pass.
+
+    Returns
+    -------
+    done : int
+        Edges split.
+    resume : int
+        Where to go on after the arrays have grown; −1 when the pass is finished.
+    """
+    done = 0
+    h = start
+    while h < 3 * m.layout[FACE_TOP]:
+        t = twin(m, h)
+        if t > h:
+            u, v = origin(m, h), origin(m, t)
+            if active[u] or active[v] or m.vertices[u, TOUCHED] or m.vertices[v, TOUCHED]:
+                limit = ratio * length * min(m.points[u, SCALE], m.points[v, SCALE])
+                if squared_length(m, u, v) > limit * limit and (_longest_of_face(m, h) or _longest_of_face(m, t)):
+                    if not room_for_split(m):
+                        return done, h
+                    if split_edge(m, h) >= 0:
+                        done += 1
+        h += 1
+    return done, -1
+
+
+@njit(cache=True, nogil=True)
+def collapse_pass(m, length, ratio, longest, active):
+    """Collapse edges that are shorter than `ratio` times their target, and vertices of three short edges.
+
+    Parameters
+    ----------
+    m : MeshArrays
+    length, ratio, active
+        As in `split_pass`.
+    longest : float
+        Multiple of the target that no new edge may exceed.
+
+    Returns
+    -------
+    int
+        Edges collapsed.
+    """
+    done = 0
+    for h in range(3 * m.layout[FACE_TOP]):
+        t = twin(m, h)
+        if t < 0:
+            continue
+        u, v = origin(m, h), origin(m, t)
+        if not (active[u] or active[v] or m.vertices[u, TOUCHED] or m.vertices[v, TOUCHED]):
+            continue
+        target = length * min(m.points[u, SCALE], m.points[v, SCALE])
+        limit = ratio * target
+        squared = squared_length(m, u, v)
+        short = t > h and squared < limit * limit
+        # A vertex of three edges lies in one triangle of its neighbours and does little but thin its faces.
+        spare = squared < 4.0 * limit * limit and valence(m, u) == 3
+        if not (short or spare):
+            continue
+        if collapse_edge(m, h, longest * target) or (short and collapse_edge(m, t, longest * target)):
+            done += 1
+    return done
+
+
+@inner
+def _cotangent(m, w, u, v):
+    """Return the cotangent of the angle at `w` towards `u` and `v`."""
+    o = point(m, w)
+    a, b = subtract(point(m, u), o), subtract(point(m, v), o)
+    n = cross(a, b)
+    sine, cosine = np.sqrt(dot(n, n)), dot(a, b)
+    return cosine / max(sine, 1e-12 * (abs(cosine) + 1e-300))
+
+
+@njit(cache=True, nogil=True)
+def flip_pass(m, active):
+    """Flip edges that do not satisfy the Delaunay condition; return how many were flipped."""
+    done = 0
+    for h in range(3 * m.layout[FACE_TOP]):
+        t = twin(m, h)
+        if t <= h:
+            continue
+        u, v = origin(m, h), origin(m, t)
+        if not (active[u] or active[v] or m.vertices[u, TOUCHED] or m.vertices[v, TOUCHED]):
+            continue
+        a, b = origin(m, preceding(h)), origin(m, preceding(t))
+        if _cotangent(m, a, u, v) + _cotangent(m, b, u, v) < -DELAUNAY_SLACK and flip_edge(m, h):
+            done += 1
+    return done
+
+
+@inner
+def vertex_normal(m, v, n):
+    """Write the unit normal at `v`, its faces weighted by area, to `n` (3,); return the length before scaling."""
+    x = y = z = 0.0
+    start = m.vertices[v, OUT]
+    h = start
+    g = m.facets
+    while True:
+        f = h // 3
+        w = g[f, AREA]
+        x += w * g[f, NORMAL]
+        y += w * g[f, NORMAL + 1]
+        z += w * g[f, NORMAL + 2]
+        h = twin(m, preceding(h))
+        if h == start:
+            break
+    length = np.sqrt(x * x + y * y + z * z)
+    inverse = 1.0 / length if length > 0.0 else 0.0
+    n[0] = x * inverse
+    n[1] = y * inverse
+    n[2] = z * inverse
+    return length
+
+
+@inner
+def umbrella(m, v, d):
+    """Write the mean of the neighbours of `v`, minus `v`, to `d` (3,)."""
+    x = y = z = 0.0
+    n = 0
+    start = m.vertices[v, OUT]
+    h = start
+    while True:
+        w = origin(m, following(h))
+        x += m.points[w, 0]
+        y += m.points[w, 1]
+        z += m.points[w, 2]
+        n += 1
+        h = twin(m, preceding(h))
+        if h == start:
+            break
+    d[0] = x / n - m.points[v, 0]
+    d[1] = y / n - m.points[v, 1]
+    d[2] = z / n - m.points[v, 2]
+
+
+@njit(cache=True, nogil=True)
+def signed_volume(m):
+    """Return the enclosed volume, positive where the faces look outwards."""
+    total = 0.0
+    first = -1
+    for f in range(m.layout[FACE_TOP]):
+        if origin(m, 3 * f) < 0:
+            continue
+        if first < 0:
+            first = origin(m, 3 * f)
+        g = m.facets
+        x, y, z = g[f, 0] - m.points[first, 0], g[f, 1] - m.points[first, 1], g[f, 2] - m.points[first, 2]
+        total += g[f, AREA] * (x * g[f, NORMAL] + y * g[f, NORMAL + 1] + z * g[f, NORMAL + 2])
+    return total / 3.0
+
+
+@njit(cache=True, nogil=True)
+def edge_statistics(m):
+    """Return the number of edges, their mean length and the longest."""
+    n = 0
+    total = 0.0
+    longest = 0.0
+    for h in range(3 * m.layout[FACE_TOP]):
+        if twin(m, h) > h:
+            length = np.sqrt(squared_length(m, origin(m, h), origin(m, twin(m, h))))
+            n += 1
+            total += length
+            longest = max(longest, length)
+    return n, total / max(n, 1), longest

@@ -1,0 +1,139 @@
+"""The arrays of a mesh that changes, as the compiled kernels see them.
+
+A *half-edge* is an index ``h = 3·face + corner``: it runs from that corner of the face to the next one. The face on the
+other side holds its *twin*, which runs the other way. A closed mesh has no half-edge without a twin, so no operation
+has a special case for a border.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+
+# Columns of `MeshArrays.points`: x, y, z in RAS mm and
+SCALE: Final = 3
+
+# Columns of `MeshArrays.vertices`.
+OUT: Final = 0
+TOUCHED: Final = 1
+
+# Values of ``vertices[:, TOUCHED]``.
+UNTOUCHED: Final = 0
+RELINKED: Final = 1
+CREATED: Final = 2
+
+# Columns of `MeshArrays.half_edges`.
+ORIGIN: Final = 0
+TWIN: Final = 1
+
+# Columns of `MeshArrays.facets`: centroid, then
+RADIUS: Final = 3
+NORMAL: Final = 4
+AREA: Final = 7
+FORMER: Final = 8
+FACET_COLUMNS: Final = 12
+
+# Columns of `MeshArrays.links`.
+AFTER: Final = 0
+BEFORE: Final = 1
+CELL: Final = 2
+SKIP: Final = 3
+STAMP: Final = 4
+LINK_COLUMNS: Final = 5
+
+# Entries of `MeshArrays.layout`.
+VERTEX_TOP: Final = 0
+FACE_TOP: Final = 1
+VERTEX_COUNT: Final = 2
+FACE_COUNT: Final = 3
+FREE_VERTEX: Final = 4
+FREE_FACE: Final = 5
+MASK: Final = 6
+SHIFT: Final = 9
+LAYOUT_ENTRIES: Final = 11
+
+# Entries of `MeshArrays.bound`.
+INVERSE_CELL: Final = 0
+LARGEST_RADIUS: Final = 1
+CLEARANCE: Final = 2
+BOUND_ENTRIES: Final = 3
+
+LARGEST_STAR: Final = 24
+"""Faces that an operation may put in at once; operations on larger stars are refused."""
+
+
+class MeshArrays(NamedTuple):
+    """Storage with room to grow: ``V`` vertex slots and ``F`` face slots, of which some are free.
+
+    Attributes
+    ----------
+    points : (V, 4) float64
+        Position in RAS mm, and the target edge length there as a share of the mesh's. Every coordinate is a float32
+        value, so writing a mesh in single precision loses nothing: the surface that was tested is the one stored.
+    vertices : (V, 2) int32
+        One half-edge that starts at the vertex, negative in a free slot (``−2 −`` the next free slot); and what
+        operations did to it since that was last cleared.
+    half_edges : (3F, 2) int32
+        Vertex at which it starts, negative in a free face (the first one: ``−2 −`` the next free face); and its twin.
+    facets : (F, 12) float64
+        Centroid, radius about it, unit normal, area; normal and area before the current batch of moves.
+    links : (F, 5) int32
+        The next and the previous face in the same cell of the grid, and the cell (−1: none); 1 for a face that is about
+        to be replaced and is no obstacle; stamp of the batch of moves in which the face last took part.
+    head : (C,) int32
+        First face of each grid cell; −1 where it is empty.
+    layout : (11,) int64
+        Slots ever used and slots in use; first free slots; cells along each axis minus one (powers of two), and the
+        shifts that combine the first two.
+    bound : (3,) float64
+        1/cell size, largest face radius, clearance that faces without a common vertex keep (mm).
+    patch : (24, 12) float64
+        Faces that an operation wants to put in: three corners and the unit normal.
+    patch_ids : (24, 3) int32
+        Their vertices.
+    """
+
+    points: Array
+    vertices: Array
+    half_edges: Array
+    facets: Array
+    links: Array
+    head: Array
+    layout: Array
+    bound: Array
+    patch: Array
+    patch_ids: Array
+
+
+def allocate(vertex_slots: int, face_slots: int) -> MeshArrays:
+    """Return empty arrays; the grid gets its cells when it is built."""
+    arrays = MeshArrays(
+        points=np.zeros((vertex_slots, 4)),
+        vertices=np.full((vertex_slots, 2), -1, dtype=np.int32),
+        half_edges=np.full((3 * face_slots, 2), -1, dtype=np.int32),
+        facets=np.zeros((face_slots, FACET_COLUMNS)),
+        links=np.full((face_slots, LINK_COLUMNS), -1, dtype=np.int32),
+        head=np.full(1, -1, dtype=np.int32),
+        layout=np.zeros(LAYOUT_ENTRIES, dtype=np.int64),
+        bound=np.ones(BOUND_ENTRIES),
+        patch=np.zeros((LARGEST_STAR, 12)),
+        patch_ids=np.zeros((LARGEST_STAR, 3), dtype=np.int32),
+    )
+    arrays.points[:, SCALE] = 1.0
+    arrays.vertices[:, TOUCHED] = UNTOUCHED
+    arrays.links[:, SKIP:] = 0
+    arrays.layout[FREE_VERTEX] = arrays.layout[FREE_FACE] = -1
+    return arrays
+
+
+def grown(arrays: MeshArrays, vertex_slots: int, face_slots: int) -> MeshArrays:
+    """Return larger arrays with the same content; indices keep their meaning."""
+    larger = allocate(vertex_slots, face_slots)
+    for name in ("points", "vertices", "half_edges", "facets", "links"):
+        source = getattr(arrays, name)
+        getattr(larger, name)[: len(source)] = source
+    return larger._replace(head=arrays.head, layout=arrays.layout, bound=arrays.bound)
