@@ -22,10 +22,10 @@ from pathlib import Path
 
 import psutil
 from fastapi import FastAPI
+
 from shapery_gateway.app import create_app
 from shapery_gateway.server import READY, Server
 from shapery_platform.settings import Settings
-
 from tests.support import processes
 
 TUS = {"Tus-Resumable": "1.0.0"}
