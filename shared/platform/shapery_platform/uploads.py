@@ -90,9 +90,11 @@ def create(
     return _state(upload)
 
 
-def get(session: Session, owner: str, upload_id: UUID, *, now: datetime | None = None) -> UploadState:
+def get(
+    session: Session, owner: str, upload_id: UUID, *, now: datetime | None = None, lock: bool = False
+) -> UploadState:
     """Return an upload; raises ``not_found`` or ``upload_expired``."""
-    upload = repository.find(session, owner, upload_id)
+    upload = repository.find(session, owner, upload_id, lock=lock)
     if upload is None:
         raise InvalidInput("not_found", f"There is no upload {upload_id}.")
     if upload.expires_at <= (now or utc_now()) and upload.asset_id is None:
@@ -137,7 +139,7 @@ def open_patch(
     token = uuid4()
     now = utc_now()
     with database.session() as session:
-        state = get(session, owner, upload_id)
+        state = get(session, owner, upload_id, lock=True)
         if state.asset_id is not None or offset != state.offset:
             raise InvalidInput(
                 "upload_offset_mismatch", f"The upload continues at byte {state.offset:,}, not at {offset:,}."
@@ -330,7 +332,7 @@ def finish(
     token = uuid4()
     now = utc_now()
     with database.session() as session:
-        state = get(session, owner, upload_id)
+        state = get(session, owner, upload_id, lock=True)
         if state.asset_id is not None:
             return assets.get(session, owner, state.asset_id)
         if not state.complete:
@@ -375,7 +377,7 @@ def terminate(database: Database, staging: UploadStaging, owner: str, upload_id:
     token = uuid4()
     now = utc_now()
     with database.session() as session:
-        if repository.find(session, owner, upload_id) is None:
+        if repository.find(session, owner, upload_id, lock=True) is None:
             raise InvalidInput("not_found", f"There is no upload {upload_id}.")
         if not repository.take_lease(session, upload_id, token, now, now + _LEASE):
             raise _locked()

@@ -101,10 +101,13 @@ class S3Store(ObjectStore):
             self._put_multipart(key, chunks)
 
     def _put_multipart(self, key: str, chunks: Iterable[bytes]) -> None:
+        # pushed and not pulled: obstore would ask for the chunks from within its own event loop, where nothing that
+        # reads from the store again may run
         with _s3_errors():
-            obstore.put(
-                self._store, key, iter(chunks), use_multipart=True, chunk_size=PART, max_concurrency=_CONCURRENCY
-            )
+            writer = self.open_writer(key)
+            for chunk in chunks:
+                writer.write(chunk)
+            writer.close()
 
     @override
     def put_stream(self, key: str, chunks: Iterable[bytes]) -> int:

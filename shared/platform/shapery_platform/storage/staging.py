@@ -23,7 +23,7 @@ from uuid import UUID
 from typing_extensions import override
 
 from shapery_platform.db.types import new_id
-from shapery_platform.storage.content import CHUNK, StagingLost, StoredBlob, disk_errors
+from shapery_platform.storage.content import CHUNK, StagingLost, StoredBlob, StoredObjectMissing, disk_errors
 from shapery_platform.storage.local import LocalStore, write_all
 from shapery_platform.storage.store import STAGING, ObjectStore, file_chunks
 
@@ -180,7 +180,7 @@ class LocalStaging(UploadStaging):
         left = size
         if left == 0:
             return
-        with (self._folder / str(upload_id)).open("rb") as file:
+        with contextlib.suppress(FileNotFoundError), (self._folder / str(upload_id)).open("rb") as file:
             for chunk in file_chunks(file):
                 yield chunk[:left]
                 left -= len(chunk)
@@ -314,7 +314,10 @@ class S3Staging(UploadStaging):
         for part in parts:
             if part.offset != offset:
                 break
-            yield from self._store.iter_range(part.key, 0, part.size)
+            try:
+                yield from self._store.iter_range(part.key, 0, part.size)
+            except StoredObjectMissing:
+                break
             offset += part.size
         if offset != size:
             raise StagingLost(f"{offset:,} bytes of upload {upload_id} are staged where its row says {size:,}")
@@ -323,9 +326,10 @@ class S3Staging(UploadStaging):
     def publish(self, upload_id: UUID, size: int, parts: Sequence[StagedPart]) -> StoredBlob:
         blob = StoredBlob(self.digest(upload_id, size, parts), size)
         self._store.pin_blob(blob)
+        if self._store.size(blob.key) == size:
+            return blob
         if len(parts) == 1 and parts[0].size == size:
-            if self._store.size(blob.key) != size:
-                self._store.copy(parts[0].key, blob.key, size)
+            self._store.copy(parts[0].key, blob.key, size)
         else:
             self._store.put_content(blob.key, self.read(upload_id, size, parts), size)
         return blob

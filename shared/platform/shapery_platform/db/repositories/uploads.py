@@ -14,11 +14,12 @@ from shapery_platform.db.models import Upload, UploadPart
 from shapery_platform.storage.staging import StagedPart
 
 
-def find(session: Session, owner: str, upload_id: UUID) -> Upload | None:
-    """Return an upload as it is now."""
-    return session.scalars(
-        select(Upload).where(Upload.id == upload_id, Upload.owner == owner).execution_options(populate_existing=True)
-    ).one_or_none()
+def find(session: Session, owner: str, upload_id: UUID, *, lock: bool = False) -> Upload | None:
+    """Return an upload as it is now, and with `lock` keep it so until the transaction ends."""
+    query = select(Upload).where(Upload.id == upload_id, Upload.owner == owner)
+    if lock:
+        query = query.with_for_update()
+    return session.scalars(query.execution_options(populate_existing=True)).one_or_none()
 
 
 def parts(session: Session, upload_id: UUID) -> list[StagedPart]:

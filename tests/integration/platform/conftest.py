@@ -1,0 +1,177 @@
+"""Every test of this folder that asks for `database` runs on SQLite and on PostgreSQL, and one that asks for `store`
+on a local folder and on S3. The servers run once per session."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from uuid import UUID
+
+import psycopg
+import pytest
+from psycopg import sql
+
+from shapery_contracts.api import JobCreate
+from shapery_contracts.formats import AssetKind, FileFormat
+from shapery_platform import assets, jobs
+from shapery_platform.db import Database
+from shapery_platform.jobs import ClaimedJob
+from shapery_platform.settings import Settings, load_settings
+from shapery_platform.storage import ObjectStore, UploadStaging
+from tests.support.postgres import PostgresServer, postgres_server
+from tests.support.redis import RedisServer, redis_server
+from tests.support.s3 import S3Server, s3_server
+
+VOLUME = FileFormat(kind=AssetKind.VOLUME, format="nifti1", media_type="application/x-nifti", extension=".nii")
+DATABASES = ["sqlite", pytest.param("postgresql", marks=pytest.mark.server)]
+STORES = ["local", pytest.param("s3", marks=pytest.mark.server)]
+
+
+@pytest.fixture(scope="session")
+def postgres() -> Iterator[PostgresServer]:
+    with postgres_server() as server:
+        yield server
+
+
+@pytest.fixture(scope="session")
+def s3() -> Iterator[S3Server]:
+    with s3_server() as server:
+        yield server
+
+
+@pytest.fixture(scope="session")
+def redis_session() -> Iterator[RedisServer]:
+    with redis_server() as server:
+        yield server
+
+
+@pytest.fixture
+def redis(redis_session: RedisServer) -> RedisServer:
+    redis_session.clear()
+    return redis_session
+
+
+@pytest.fixture(scope="session")
+def migrated_sqlite(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A migrated database to copy: quicker than to migrate for every test."""
+    path = tmp_path_factory.mktemp("migrated") / "shapery.db"
+    database = Database(f"sqlite:///{path}")
+    database.migrate()
+    database.dispose()
+    return path
+
+
+@pytest.fixture(scope="session")
+def migrated_postgres(postgres: PostgresServer) -> str:
+    """The name of a migrated database to copy."""
+    url = postgres.create_database()
+    database = Database(url)
+    database.migrate()
+    database.dispose()
+    return url.rsplit("/", 1)[-1]
+
+
+@pytest.fixture(params=DATABASES)
+def database_url(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[str]:
+    if request.param == "sqlite":
+        target = tmp_path / "shapery.db"
+        shutil.copyfile(request.getfixturevalue("migrated_sqlite"), target)
+        yield f"sqlite:///{target}"
+        return
+    server: PostgresServer = request.getfixturevalue("postgres")
+    template: str = request.getfixturevalue("migrated_postgres")
+    name = f"{template}_{abs(hash(request.node.nodeid))}"
+    with psycopg.connect(server.url("postgres"), autocommit=True) as connection:
+        connection.execute(
+            sql.SQL("CREATE DATABASE {} TEMPLATE {}").format(sql.Identifier(name), sql.Identifier(template))
+        )
+    yield server.url(name)
+    server.drop_database(server.url(name))
+
+
+@pytest.fixture
+def database(database_url: str) -> Iterator[Database]:
+    database = Database(database_url)
+    yield database
+    database.dispose()
+
+
+@pytest.fixture
+def settings(tmp_path: Path, database_url: str) -> Settings:
+    return load_settings(home=tmp_path, database_url=database_url, min_free_bytes=0)
+
+
+@pytest.fixture(params=STORES)
+def storage_settings(request: pytest.FixtureRequest, tmp_path: Path) -> Settings:
+    """Settings of a store without a database."""
+    if request.param == "s3":
+        server: S3Server = request.getfixturevalue("s3")
+        return load_settings(home=tmp_path, **server.settings())
+    return load_settings(home=tmp_path, min_free_bytes=0)
+
+
+@pytest.fixture
+def store(storage_settings: Settings) -> ObjectStore:
+    """A store that pins nothing."""
+    return ObjectStore.from_settings(storage_settings)
+
+
+@pytest.fixture
+def pinned_store(storage_settings: Settings, database: Database) -> ObjectStore:
+    """A store that pins in the database."""
+    return ObjectStore.from_settings(storage_settings, database)
+
+
+@pytest.fixture
+def local_store(settings: Settings, database: Database) -> ObjectStore:
+    """A local store, where a test is about the database alone."""
+    return ObjectStore.from_settings(settings, database)
+
+
+@pytest.fixture
+def staging(pinned_store: ObjectStore) -> UploadStaging:
+    return UploadStaging.over(pinned_store)
+
+
+@pytest.fixture
+def new_asset(database: Database, local_store: ObjectStore, settings: Settings) -> Callable[..., UUID]:
+    """A function that stores bytes and makes an asset of them."""
+
+    def make(owner: str = "ann", data: bytes = b"voxels", found: FileFormat = VOLUME) -> UUID:
+        blob = local_store.put_bytes(data)
+        with database.session() as session:
+            return assets.create_from_upload(
+                session, local_store, settings, owner, blob.sha256, blob.size, "head.nii", found
+            ).id
+
+    return make
+
+
+@pytest.fixture
+def new_job(database: Database, settings: Settings, new_asset: Callable[..., UUID]) -> Callable[..., UUID]:
+    """A function that queues a job."""
+    known: dict[str, UUID] = {}
+
+    def make(owner: str = "ann", **params: object) -> UUID:
+        if owner not in known:
+            known[owner] = new_asset(owner)
+        with database.session() as session:
+            request = JobCreate(kind="segmentation", inputs={"post": known[owner]}, params=params)
+            return jobs.create(session, settings, owner, request)[0].id
+
+    return make
+
+
+@pytest.fixture
+def claimed(database: Database, new_job: Callable[..., UUID]) -> Callable[..., ClaimedJob]:
+    """A function that queues a job and claims it."""
+
+    def make(owner: str = "ann", worker: str = "worker-1") -> ClaimedJob:
+        job_id = new_job(owner)
+        with database.session() as session:
+            job = jobs.claim(session, job_id, worker)
+        assert job is not None
+        return job
+
+    return make
