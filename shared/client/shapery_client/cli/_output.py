@@ -23,7 +23,7 @@ FAULT, REFUSED, NO_ANSWER, JOB_FAILED = 1, 3, 4, 5
 JsonOption = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
 
 stderr = Console(stderr=True, highlight=False)
-stdout = Console(highlight=False)
+stdout = Console(highlight=False, width=None if sys.stdout.isatty() else 200, soft_wrap=not sys.stdout.isatty())
 
 
 def print_json(value: Any) -> None:
@@ -45,8 +45,9 @@ def print_table(columns: Sequence[str], rows: Sequence[Sequence[object]], empty:
         stdout.print(empty)
         return
     table = Table(box=None, pad_edge=False, header_style="bold")
-    for column in columns:
-        table.add_column(column, overflow="fold")
+    for index, column in enumerate(columns):
+        # The first column is what one copies into the next command: it stays whole.
+        table.add_column(column, overflow="fold", no_wrap=index == 0)
     for row in rows:
         table.add_row(*(str(cell) for cell in row))
     stdout.print(table)
