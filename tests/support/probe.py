@@ -45,6 +45,7 @@ class ProbeParams(BaseModel):
         "hold_interpreter",
         "kill",
         "spawn",
+        "spawn_and_wait",
         "print",
         "see_context",
     ] = "finish"
@@ -128,6 +129,8 @@ class ProbeHandler:
             case "spawn":
                 child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(300)"])
                 return {"child": str(child.pid)}
+            case "spawn_and_wait":
+                subprocess.run([sys.executable, "-c", "import time; time.sleep(300)"], check=True)
             case "print":
                 print("the probe prints to standard output")
                 sys.stderr.buffer.write(b"\xff not text \x00\n" + b"x" * 100_000 + b"\n")

@@ -1,0 +1,65 @@
+"""Real workers over a real Redis, on SQLite and on PostgreSQL."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from shapery_platform.db import Database
+from tests.support.postgres import PostgresServer, postgres_server
+from tests.support.redis import RedisServer, redis_server
+from tests.support.stack import Stack, running_stack
+
+
+@pytest.fixture(scope="session")
+def postgres() -> Iterator[PostgresServer]:
+    with postgres_server() as server:
+        yield server
+
+
+@pytest.fixture(scope="module", params=["sqlite", "postgresql"])
+def any_database_url(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> str:
+    """A migrated database of each sort."""
+    if request.param == "sqlite":
+        url = f"sqlite:///{tmp_path_factory.mktemp('database') / 'shapery.db'}"
+    else:
+        url = request.getfixturevalue("postgres").create_database()
+    return migrated(url)
+
+
+def migrated(url: str) -> str:
+    database = Database(url)
+    database.migrate()
+    database.dispose()
+    return url
+
+
+@pytest.fixture(scope="module")
+def redis() -> Iterator[RedisServer]:
+    with redis_server() as server:
+        yield server
+
+
+@pytest.fixture(scope="module")
+def shared_stack(
+    tmp_path_factory: pytest.TempPathFactory, any_database_url: str, redis: RedisServer
+) -> Iterator[Stack]:
+    """A worker with room for three jobs and a reaper, for the tests of one module that leave them in peace."""
+    home = tmp_path_factory.mktemp("home")
+    redis.clear()
+    limits = {"job_time_limit": {"probe-brief": 1.0}, "job_memory_limit": {"probe-lean": 400 << 20}}
+    with running_stack(home, any_database_url, redis, **limits) as stack:
+        stack.start_worker(concurrency=3)
+        stack.start_reaper()
+        yield stack
+
+
+@pytest.fixture
+def stack(tmp_path: Path, redis: RedisServer) -> Iterator[Stack]:
+    """An empty stack on SQLite, for tests that kill."""
+    redis.clear()
+    url = migrated(f"sqlite:///{tmp_path / 'shapery.db'}")
+    with running_stack(tmp_path, url, redis, lease_seconds=3.0, heartbeat_interval=0.5) as stack:
+        yield stack

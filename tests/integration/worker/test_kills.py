@@ -1,0 +1,153 @@
+"""What becomes of jobs whose processes are killed, one sort of kill at a time; `tests/e2e/test_chaos.py` mixes them."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from pathlib import Path
+
+import psutil
+import pytest
+
+from shapery_contracts.states import JobState
+from shapery_worker.lifeline import alive
+from tests.support import measures
+from tests.support.stack import Stack, expected_end
+
+pytestmark = pytest.mark.server
+
+ARTIFACTS = {"a.json": 1000, "b.ply": 5000}
+
+
+@pytest.mark.parametrize("victim", ["self", "watcher", "main", "group"])
+def test_a_job_whose_process_was_killed_is_done_by_another_once(stack: Stack, tmp_path: Path, victim: str) -> None:
+    worker = stack.start_worker()
+    stack.start_reaper()
+    began = time.monotonic()
+    job_id = stack.submit(action="kill", victim=victim, once=str(tmp_path / "killed"), artifacts=ARTIFACTS)
+    if victim == "group":  # the supervisor would start it again; here the test is the supervisor
+        worker.wait(30)
+        stack.start_worker()
+    job = stack.wait(job_id)
+    measures.record(f"kill of {victim}: from submission to success", time.monotonic() - began)
+    expected_end(job, artifacts=ARTIFACTS, seed=0, stack=stack)
+    assert job.attempt == 2
+    states = [event.state for event in stack.events(job_id) if event.type == "state"]
+    assert states == [JobState.QUEUED, JobState.RUNNING, JobState.QUEUED, JobState.RUNNING, JobState.SUCCEEDED]
+
+
+def test_poisonous_jobs_end_as_crashed_and_stop_nobody_else(stack: Stack) -> None:
+    stack.start_worker(concurrency=3)
+    stack.start_reaper()
+    innocent = [stack.submit(artifacts=ARTIFACTS, seed=i, steps=4, step_seconds=0.3) for i in range(6)]
+    poison = [stack.submit(action="kill", victim=victim) for victim in ("self", "watcher", "main")]
+    innocent += [stack.submit(artifacts=ARTIFACTS, seed=i, steps=4, step_seconds=0.3) for i in range(6, 12)]
+    with measures.measured("three poisonous jobs among twelve others"):
+        poisoned = stack.wait_all(poison)
+        others = stack.wait_all(innocent)
+    for job in poisoned:
+        assert job.state is JobState.CRASHED
+        assert job.attempt == 3
+        assert job.error is not None
+        assert job.error.code in ("internal_error", "worker_lost")
+        assert job.artifacts == []
+    for seed, job in enumerate(others):
+        expected_end(job, artifacts=ARTIFACTS, seed=seed, stack=stack)
+        # lost at most once with the process of each poisonous job, and tried alone from then on
+        assert job.attempt <= 3
+
+
+def test_a_job_that_kills_the_whole_worker_is_bounded_too(stack: Stack) -> None:
+    stack.start_reaper()
+    job_id = stack.submit(action="kill", victim="group")
+    starts = 0
+    while not stack.view(job_id).state.terminal:
+        worker = stack.start_worker(wait=False)
+        starts += 1
+        stack.until(lambda w=worker: w.poll() is not None or stack.view(job_id).state.terminal, "it kills again")
+    assert stack.view(job_id).state is JobState.CRASHED
+    assert stack.view(job_id).attempt == 3
+    assert starts <= 4
+    job = stack.wait(stack.submit(artifacts=ARTIFACTS))
+    expected_end(job, artifacts=ARTIFACTS, seed=0, stack=stack)
+
+
+def test_a_handler_dies_with_its_watcher_even_in_native_code(stack: Stack) -> None:
+    worker = stack.start_worker()
+    handlers = [stack.wait_until_running(stack.submit(steps=1, action="hold_interpreter")) for _ in range(2)]
+    # the host alone: what it started must go with it, level by level
+    os.kill(worker.pid, signal.SIGKILL)
+    worker.wait(10)
+    stack.until(lambda: not any(alive(handler) for handler in handlers), "the handlers are gone", 10)
+
+
+def test_what_a_handler_had_started_is_ended_when_its_watcher_was_killed(stack: Stack, tmp_path: Path) -> None:
+    stack.start_worker()
+    stack.start_reaper()
+    job_id = stack.submit(action="spawn_and_wait", once=str(tmp_path / "once"), steps=1)
+    handler = psutil.Process(stack.wait_until_running(job_id))
+    stack.until(lambda: bool(handler.children()), "it has started a process", 20)
+    child = handler.children()[0]
+    os.kill(handler.ppid(), signal.SIGKILL)
+    assert stack.wait(job_id).state is JobState.SUCCEEDED
+    stack.until(lambda: not alive(child.pid), "the handler's child is gone", 10)
+
+
+def test_a_worker_that_was_taken_for_lost_publishes_nothing(stack: Stack, tmp_path: Path) -> None:
+    """Stop the watcher as a paused machine would, until another has done the job, and let it go on."""
+    stack.start_worker(concurrency=1)
+    stack.start_reaper()
+    job_id = stack.submit(steps=1, step_seconds=1.0, artifacts=ARTIFACTS, started=str(tmp_path))
+    watcher = psutil.Process(stack.wait_until_running(job_id)).parent()
+    assert watcher is not None
+    watcher.suspend()
+    second = stack.start_worker(concurrency=1)
+    job = stack.wait(job_id)
+    expected_end(job, artifacts=ARTIFACTS, seed=0, stack=stack)
+    assert job.attempt == 2
+    events = stack.events(job_id)
+    watcher.resume()
+    # it finds its lease lost, forgets the result, and is as good as new
+    stack.until(lambda: not stack.running(), "the first attempt is cleared away", 20)
+    second.send_signal(signal.SIGTERM)
+    second.wait(20)
+    again = stack.wait(stack.submit(artifacts=ARTIFACTS, seed=1))
+    expected_end(again, artifacts=ARTIFACTS, seed=1, stack=stack)
+    assert stack.view(job_id) == job
+    assert stack.events(job_id) == events
+
+
+def test_a_cancelled_job_whose_worker_dies_ends_as_cancelled(stack: Stack) -> None:
+    worker = stack.start_worker(concurrency=1)
+    stack.start_reaper()
+    job_id = stack.submit(steps=1, action="hold_interpreter")
+    stack.wait_until_running(job_id)
+    main = stack.celery_main(worker)
+    assert main is not None
+    for process in (psutil.Process(worker.pid), main, *main.children(recursive=True)):
+        process.suspend()  # so that nobody can stop it in order
+    stack.cancel(job_id)
+    assert stack.view(job_id).state is JobState.CANCELLING
+    worker.kill()
+    worker.wait(10)
+    assert stack.wait(job_id).state is JobState.CANCELLED
+
+
+def test_shutdown_finishes_short_jobs_and_gives_long_ones_back(stack: Stack) -> None:
+    worker = stack.start_worker(concurrency=2, SHAPERY_WORKER_SHUTDOWN_GRACE="2")
+    short = stack.submit(steps=3, step_seconds=0.3, artifacts=ARTIFACTS)
+    long = stack.submit(steps=60, step_seconds=0.1, artifacts=ARTIFACTS)
+    stack.wait_until_running(short)
+    stack.wait_until_running(long)
+    with measures.measured("shutdown with a long job, grace 2 s"):
+        worker.send_signal(signal.SIGTERM)
+        assert worker.wait(30) == 0
+    assert stack.view(short).state is JobState.SUCCEEDED
+    assert stack.view(long).state is JobState.QUEUED
+    assert stack.view(long).attempt == 0  # it is nobody's fault
+    assert not stack.is_listed(worker)
+    stack.start_worker()
+    job = stack.wait(long)  # without a reaper: the worker that gave it back sent its message
+    expected_end(job, artifacts=ARTIFACTS, seed=0, stack=stack)
+    assert job.attempt == 1
