@@ -1,7 +1,7 @@
 """How much each voxel took up of the contrast agent, on a scale that is the same for every scanner (3.3, 3.5.1).
 
-The dissertation subtracts the volume before contrast from the one after it. Real files have unrelated scales, so the one
-is fitted to the other first, and the difference is measured in units of the normal brain's own variation.
+The dissertation subtracts the volume before contrast from the one after it. Real files have unrelated scales, so the
+one is fitted to the other first, and the difference is measured in units of the normal brain's own variation.
 """
 
 from __future__ import annotations

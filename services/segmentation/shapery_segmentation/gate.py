@@ -113,10 +113,10 @@ def reach(field: FloatArray, brain: BoolArray, seed: BoolArray, spacing: float, 
     are connected to the inside; 2.9 mm around them; the enhancing voxels in there that are connected to the inside. The
     threshold falls as the region takes in weaker parts; the gate keeps it from taking in everything.
     """
-    box = _box_around(seed, seed.shape, 3 * _MARGIN)
+    box = box_around(seed, seed.shape, 3 * _MARGIN)
     while True:
         region = _reach_in(field, brain, seed, spacing, rounds, box)
-        touched = _box_around(region.inside, region.inside.shape, _MARGIN)
+        touched = box_around(region.inside, region.inside.shape, _MARGIN)
         cut = [
             (t.start == 0 and b.start > 0) or (t.stop == b.stop - b.start and b.stop < n)
             for t, b, n in zip(touched, box, seed.shape, strict=True)
@@ -125,7 +125,7 @@ def reach(field: FloatArray, brain: BoolArray, seed: BoolArray, spacing: float, 
             return region
         whole = np.zeros_like(seed)
         whole[box] = region.inside
-        box = _box_around(whole | seed, seed.shape, 4 * _MARGIN)
+        box = box_around(whole | seed, seed.shape, 4 * _MARGIN)
 
 
 def _reach_in(
@@ -169,7 +169,8 @@ def _connected(mask: BoolArray, start: BoolArray) -> BoolArray:
     return np.asarray(hit[labels])
 
 
-def _box_around(mask: BoolArray, shape: tuple[int, ...], margin: int) -> tuple[slice, slice, slice]:
+def box_around(mask: BoolArray, shape: tuple[int, ...], margin: int) -> tuple[slice, slice, slice]:
+    """Return the box around `mask` with `margin` voxels on all sides, cut to `shape`; all of it for an empty mask."""
     bounds = []
     for axis in range(3):
         line = np.flatnonzero(mask.any(axis=tuple(a for a in range(3) if a != axis)))

@@ -72,7 +72,7 @@ class WorkingGrid:
         return np.asarray(values >= 0.5)
 
     def sample(self, volume: Volume) -> FloatArray:
-        """Return the values of `volume` on this grid: linear, averaged first where its voxels are finer; NaN outside."""
+        """Return `volume` on this grid: interpolated, averaged first where its voxels are finer; NaN outside."""
         if self.reorientation is not None and volume.same_grid(self.source):
             values = self.reorientation.apply_array(volume.data)[self._box]
             return np.ascontiguousarray(values, dtype=np.float32)

@@ -55,7 +55,7 @@ def mirrored_correlation(image: Array, weight: Array, matrix: Array, offset: Arr
     vy = syy - sy * sy / n
     if vx <= 0.0 or vy <= 0.0:
         return 0.0
-    return (sxy - sx * sy / n) / np.sqrt(vx * vy)
+    return float((sxy - sx * sy / n) / np.sqrt(vx * vy))
 
 
 @njit(cache=True, nogil=True)

@@ -26,7 +26,7 @@ def _simple_table() -> BoolArray:
     return table
 
 
-def ball_inside(region: BoolArray, *, least_depth: float = 0.0) -> BoolArray:
+def ball_inside(region: BoolArray, *, least_depth: float = 0.0) -> tuple[BoolArray, NDArray[np.int64]]:
     """Return a topological ball that fills `region` but for seams.
 
     Parameters
@@ -38,8 +38,8 @@ def ball_inside(region: BoolArray, *, least_depth: float = 0.0) -> BoolArray:
 
     Returns
     -------
-    (I, J, K) bool: inside and outside are connected through 14 neighbours (see `_ball_kernels`), and the inside has
-    neither handles nor cavities.
+    (I, J, K) bool, whose inside and outside are connected through 14 neighbours (see `_ball_kernels`), with neither
+    handles nor cavities; and the voxel (3,) that it was grown from.
 
     References
     ----------
@@ -56,7 +56,7 @@ def ball_inside(region: BoolArray, *, least_depth: float = 0.0) -> BoolArray:
         kernels.grow(depth, start, kernels.OFFSETS, _simple_table(), ball)
     else:
         ball[tuple(start)] = True
-    return np.ascontiguousarray(ball[1:-1, 1:-1, 1:-1])
+    return np.ascontiguousarray(ball[1:-1, 1:-1, 1:-1]), start - 1
 
 
 def surface_of(inside: BoolArray, affine: NDArray[np.float64]) -> TriangleMesh:
@@ -81,7 +81,7 @@ def surface_of(inside: BoolArray, affine: NDArray[np.float64]) -> TriangleMesh:
     ends = np.stack(np.unravel_index(np.stack(np.divmod(unique, padded.size)), padded.shape), axis=-1)
     points = ends.mean(axis=0) - 1.0
     vertices = points @ affine[:3, :3].T + affine[:3, 3]
-    triangles = faces.reshape(-1, 3)
+    triangles = faces.reshape(-1, 3).astype(np.int32)
     if np.linalg.det(affine[:3, :3]) < 0:
         triangles = triangles[:, ::-1]
     return TriangleMesh(vertices, triangles)
