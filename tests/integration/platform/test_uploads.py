@@ -18,11 +18,15 @@ from shapery_platform import assets, uploads
 from shapery_platform.db import Database
 from shapery_platform.db.models import Upload
 from shapery_platform.settings import Settings
-from shapery_platform.storage import ObjectStore, StagingLost, UploadStaging
+from shapery_platform.storage import ObjectStore, StagingLost, UploadStaging, object_key
+from shapery_platform.storage import staging as staging_module
 from tests.integration.platform.conftest import VOLUME
 
-DATA = random.Random(3).randbytes((40 << 20) + 777)
-PIECE = 7 << 20
+UNIT = 1 << 16
+DATA = random.Random(3).randbytes(40 * UNIT + 777)
+PIECE = 7 * UNIT
+LARGE = random.Random(4).randbytes((21 << 20) + 777)
+"""With pieces of another size than S3's, and more than one part of a multipart upload."""
 
 
 class Bench:
@@ -57,7 +61,7 @@ class Bench:
         length: int | None = None,
         checksum: tuple[str, bytes] | None = None,
     ) -> uploads.UploadState:
-        chunks = (data[i : i + (1 << 20)] for i in range(0, len(data), 1 << 20)) if isinstance(data, bytes) else data
+        chunks = (data[i : i + (UNIT)] for i in range(0, len(data), UNIT)) if isinstance(data, bytes) else data
         return uploads.append(
             self.database,
             self.staging,
@@ -79,8 +83,9 @@ class Bench:
     def content(self, asset_id: UUID) -> bytes:
         with self.database.session(readonly=True) as session:
             asset = assets.get(session, "ann", asset_id)
-        assert hashlib.sha256(DATA[: asset.size]).hexdigest() == asset.sha256
-        return b"".join(self.store.iter_range(f"objects/{asset.sha256[:2]}/{asset.sha256[2:]}"))
+        content = b"".join(self.store.iter_range(object_key(asset.sha256)))
+        assert hashlib.sha256(content).hexdigest() == asset.sha256
+        return content
 
     def lose_the_lease(self, upload_id: UUID) -> None:
         with self.database.session() as session:
@@ -94,6 +99,9 @@ class Bench:
 @pytest.fixture
 def bench(database: Database, pinned_store: ObjectStore, settings: Settings, monkeypatch: pytest.MonkeyPatch) -> Bench:
     monkeypatch.setattr(assets, "sniff", lambda stream, size: VOLUME)
+    # the same proportions with less to move
+    monkeypatch.setattr(staging_module, "_S3_PART", 16 * UNIT)
+    monkeypatch.setattr(uploads, "_SETTLE_EVERY", 24 * UNIT)
     return Bench(database, pinned_store, settings)
 
 
@@ -118,6 +126,17 @@ def test_an_upload_in_pieces_becomes_an_asset(bench: Bench) -> None:
     assert code_of(error) == "upload_offset_mismatch"
 
 
+def test_a_large_upload_in_pieces_is_put_together(
+    pinned_store: ObjectStore, database: Database, settings: Settings, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(assets, "sniff", lambda stream, size: VOLUME)
+    bench = Bench(database, pinned_store, settings)
+    upload_id = bench.create(len(LARGE))
+    for begin, end in ((0, 17 << 20), (17 << 20, 20 << 20), (20 << 20, len(LARGE))):
+        bench.append(upload_id, begin, LARGE[begin:end])
+    assert bench.content(bench.finish(upload_id)) == LARGE
+
+
 def test_an_upload_goes_on_after_a_restart_at_any_point(bench: Bench) -> None:
     upload_id = bench.create()
     for offset in range(0, len(DATA), PIECE):
@@ -132,18 +151,18 @@ def test_what_arrived_before_the_client_went_away_is_kept(bench: Bench) -> None:
     upload_id = bench.create()
 
     def broken() -> Iterator[bytes]:
-        for begin in range(0, 18 << 20, 1 << 20):
-            yield DATA[begin : begin + (1 << 20)]
+        for begin in range(0, 18 * UNIT, UNIT):
+            yield DATA[begin : begin + (UNIT)]
         raise ConnectionResetError
 
     with pytest.raises(ConnectionResetError):
         bench.append(upload_id, 0, broken())
-    assert bench.get(upload_id).offset == 18 << 20
-    bench.append(upload_id, 18 << 20, DATA[18 << 20 :])
+    assert bench.get(upload_id).offset == 18 * UNIT
+    bench.append(upload_id, 18 * UNIT, DATA[18 * UNIT :])
     assert bench.content(bench.finish(upload_id)) == DATA
 
 
-@pytest.mark.parametrize("kept", [5 << 20, 0])
+@pytest.mark.parametrize("kept", [5 * UNIT, 0])
 def test_bytes_that_were_written_and_never_recorded_do_not_count(bench: Bench, kept: int) -> None:
     upload_id = bench.create()
     if kept:
@@ -151,7 +170,7 @@ def test_bytes_that_were_written_and_never_recorded_do_not_count(bench: Bench, k
     # a process that dies between its writes and the update of the row
     dying = bench.restarted()
     writer = dying.open_patch(upload_id, kept)
-    writer._patch.write(b"\xff" * (20 << 20))
+    writer._patch.write(b"\xff" * (20 * UNIT))
     writer._patch.settle()
     writer._patch.close()
     bench.lose_the_lease(upload_id)
@@ -170,7 +189,7 @@ def test_a_request_that_hung_changes_nothing_after_another_took_over(bench: Benc
     with bench.open_patch(upload_id, PIECE) as writer:
         writer.write(DATA[PIECE : 2 * PIECE])
         # it wakes up and writes to what it still has open
-        hung._patch.write(b"\xff" * (17 << 20))
+        hung._patch.write(b"\xff" * (17 * UNIT))
         writer.write(DATA[2 * PIECE :])
         writer.finish()
     with pytest.raises(UserError) as error:
@@ -196,8 +215,8 @@ def test_two_requests_do_not_write_at_the_same_time(bench: Bench) -> None:
 
 
 def test_many_clients_race_for_one_upload_and_its_bytes_stay_right(bench: Bench) -> None:
-    upload_id = bench.create(1 << 20)
-    data = DATA[: 1 << 20]
+    upload_id = bench.create(UNIT)
+    data = DATA[:UNIT]
     unexpected: list[BaseException] = []
 
     def client(seed: int) -> None:
@@ -207,7 +226,7 @@ def test_many_clients_race_for_one_upload_and_its_bytes_stay_right(bench: Bench)
                 state = bench.get(upload_id)
                 if state.complete:
                     return
-                piece = rng.randrange(1, 1 << 17)
+                piece = rng.randrange(1, 1 << 14)
                 bench.append(upload_id, state.offset, data[state.offset : state.offset + piece])
             except UserError as error:
                 if error.code not in ("upload_locked", "upload_offset_mismatch"):
@@ -230,14 +249,14 @@ def test_many_clients_race_for_one_upload_and_its_bytes_stay_right(bench: Bench)
 def test_a_wrong_checksum_keeps_the_offset(bench: Bench, algorithm: str) -> None:
     upload_id = bench.create()
     bench.append(upload_id, 0, DATA[:1000])
-    piece = DATA[1000 : 20 << 20]
+    piece = DATA[1000 : 20 * UNIT]
     digest = hashlib.new(algorithm, piece).digest()
     with pytest.raises(UserError) as error:
         bench.append(upload_id, 1000, piece[:-1] + bytes([piece[-1] ^ 1]), checksum=(algorithm, digest))
     assert code_of(error) == "checksum_mismatch"
     assert bench.get(upload_id).offset == 1000
     state = bench.append(upload_id, 1000, piece, checksum=(algorithm, digest))
-    assert state.offset == 20 << 20
+    assert state.offset == 20 * UNIT
     bench.append(upload_id, state.offset, DATA[state.offset :])
     assert bench.content(bench.finish(upload_id)) == DATA
 
@@ -246,7 +265,7 @@ def test_what_cannot_be_verified_is_not_kept(bench: Bench) -> None:
     upload_id = bench.create()
 
     def broken() -> Iterator[bytes]:
-        yield DATA[: 17 << 20]
+        yield DATA[: 17 * UNIT]
         raise ConnectionResetError
 
     with pytest.raises(ConnectionResetError):
