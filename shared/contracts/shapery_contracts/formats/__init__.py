@@ -108,10 +108,12 @@ def gzip_head(head: bytes, limit: int) -> bytes:
 
 def _gzipped(head: bytes, size: int) -> FileFormat:
     inner = gzip_head(head, 1024)
+    if len(inner) < 1024 and size <= len(head) and not _gzip_ends(head):
+        raise corrupt(f"The gzip file is cut off: of what is in it {len(inner)} bytes can be unpacked.")
     if nifti.looks_like_nifti(inner):
         return nifti.recognise(inner, size, gzipped=True)
     if not inner:
-        raise corrupt(f"The gzip file of {size} bytes holds nothing, or is cut off at its beginning.")
+        raise InvalidInput("empty_content", "The gzip file holds nothing.")
     if inner.startswith(nrrd.MAGIC) or metaimage.looks_like_metaimage(inner) or dicom.looks_like_dicom(inner):
         raise unsupported("Of gzipped files only NIfTI is read.", "Unpack the file and send what was in it.")
     if len(inner) < 348 and inner[:2] in (b"\x5c\x01", b"\x01\x5c", b"\x1c\x02"):
@@ -121,6 +123,13 @@ def _gzipped(head: bytes, size: int) -> FileFormat:
         f"The file is gzipped, and what is in it {_named(inner) or 'is of no known format'}.",
         "Unpack the file and send what was in it.",
     )
+
+
+def _gzip_ends(head: bytes) -> bool:
+    """Tell whether the first stream in a gzip file, known to be short, is complete."""
+    stream = zlib.decompressobj(16 + zlib.MAX_WBITS)
+    stream.decompress(head, 2048)
+    return stream.eof
 
 
 def _named(head: bytes) -> str:

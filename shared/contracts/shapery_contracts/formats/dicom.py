@@ -65,10 +65,12 @@ class _End(Enum):
     """At its pixels."""
     BEYOND = auto()
     """Behind the place where they would stand."""
+    WINDOW = auto()
+    """Where the window ends; what follows is for the reader to judge."""
     FILE = auto()
-    """Where the window ends, between two elements."""
+    """Where the file ends, between two elements."""
     CUT = auto()
-    """Where the window ends, inside an element."""
+    """Where the file ends, inside an element."""
     PACKED = auto()
     """Where the deflated part begins."""
 
@@ -134,7 +136,7 @@ class _Window:
         return False
 
 
-def _elements(head: bytes) -> tuple[dict[int, bytes], _End]:
+def _elements(head: bytes, size: int) -> tuple[dict[int, bytes], _End]:
     """Return the wanted values and where the walk ended.
 
     Raises
@@ -151,6 +153,8 @@ def _elements(head: bytes) -> tuple[dict[int, bytes], _End]:
         if found is None:
             if in_meta:
                 raise corrupt(f"The DICOM file is cut off after {len(head)} bytes.")
+            if size > len(head):
+                return values, _End.WINDOW
             # An element that is cut leaves the position before or behind the end.
             return values, _End.FILE if window.position == len(head) else _End.CUT
         tag, vr, length = found
@@ -166,7 +170,8 @@ def _elements(head: bytes) -> tuple[dict[int, bytes], _End]:
             window.position = start
             continue
         if tag in _PIXELS:
-            return values, _End.PIXELS
+            whole = length == _UNDEFINED or window.position + length <= size
+            return values, _End.PIXELS if whole else _End.CUT
         if tag >> 16 > 0x7FE0:
             return values, _End.BEYOND
         if not window.implicit and not re.fullmatch(rb"[A-Z]{2}", vr):
@@ -175,7 +180,7 @@ def _elements(head: bytes) -> tuple[dict[int, bytes], _End]:
             if vr not in (b"SQ", b"UN", b""):
                 raise corrupt(f"The DICOM file is damaged at byte {start}.")
             if not window.skip_sequence(vr):
-                return values, _End.CUT
+                return values, _End.CUT if size <= len(head) else _End.WINDOW
             continue
         if tag in _WANTED and length <= 256:
             values[tag] = head[window.position : window.position + length]
@@ -184,7 +189,7 @@ def _elements(head: bytes) -> tuple[dict[int, bytes], _End]:
 
 def transfer_syntax(head: bytes) -> str:
     """Return the UID of the transfer syntax."""
-    return _elements(head)[0].get(_TRANSFER_SYNTAX, b"").rstrip(b"\0 ").decode("latin-1")
+    return _elements(head, len(head))[0].get(_TRANSFER_SYNTAX, b"").rstrip(b"\0 ").decode("latin-1")
 
 
 def recognise(head: bytes, size: int) -> FileFormat:
@@ -195,7 +200,7 @@ def recognise(head: bytes, size: int) -> FileFormat:
     InvalidInput
         ``corrupt_file``, or ``unsupported_format`` for what is no image.
     """
-    values, end = _elements(head)
+    values, end = _elements(head, size)
     text = {tag: value.rstrip(b"\0 ").decode("latin-1") for tag, value in values.items()}
     sop_class = text.get(_SOP_CLASS, "")
     if sop_class in NOT_IMAGES or sop_class.startswith("1.2.840.10008.5.1.4.1.1.88."):
@@ -203,10 +208,8 @@ def recognise(head: bytes, size: int) -> FileFormat:
         raise unsupported(f"The DICOM file holds {what}, not an image.", "Send the images of one series.")
     order = ">" if text[_TRANSFER_SYNTAX] == _EXPLICIT_BE else "<"
     columns, rows = (_unsigned(values.get(tag, b""), order) for tag in (_COLUMNS, _ROWS))
-    if end in (_End.FILE, _End.CUT) and size > len(head):
-        end = _End.PACKED  # what follows the window is for the reader to judge
     if end is _End.CUT:
-        raise corrupt(f"The DICOM file is cut off after {size} bytes, before its pixels.", "Send it again.")
+        raise corrupt(f"The DICOM file is cut off after {size} bytes.", "Send it again.")
     if end in (_End.FILE, _End.BEYOND) or (end is _End.PIXELS and not (rows and columns)):
         raise unsupported("The DICOM file holds no image.", "Send the images of one series.")
     details: Details = {"transfer_syntax": text[_TRANSFER_SYNTAX]}

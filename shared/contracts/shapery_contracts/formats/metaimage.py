@@ -73,7 +73,7 @@ _LINE: Final = re.compile(rb"[ \t]*([A-Za-z]+)[ \t]*[=:][ \t]*([^\r\n]*)\r?\n")
 
 def looks_like_metaimage(head: bytes) -> bool:
     """Tell whether the first bytes are those of a MetaImage header."""
-    return re.match(rb"\s*(ObjectType\s*=\s*Image|NDims\s*=\s*[0-9])", head) is not None
+    return re.match(rb"\s*(ObjectType\s*=\s*\w|NDims\s*=\s*[0-9])", head) is not None
 
 
 def parse_header(head: bytes) -> MetaImageHeader:
