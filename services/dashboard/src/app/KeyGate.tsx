@@ -16,7 +16,7 @@ export function KeyGate({ refused }: { refused: boolean }) {
     client.clear();
   };
   return (
-    <Paper withBorder p="xl" mx="auto" mt={{ base: 40, sm: 96 }} w="min(26rem, calc(100% - 2.5rem))" bg="var(--card)">
+    <Paper p="xl" mx="auto" mt={{ base: 40, sm: 96 }} w="min(26rem, calc(100% - 2.5rem))">
       <form onSubmit={submit}>
         <Stack>
           <Title order={1}>This server asks for a key</Title>

@@ -1,4 +1,4 @@
-import { createTheme, type MantineColorsTuple } from "@mantine/core";
+import { Alert, createTheme, type MantineColorsTuple, Paper, Table } from "@mantine/core";
 
 /** The one accent: petrol, the color of a surface in water. */
 const petrol: MantineColorsTuple = [
@@ -43,7 +43,7 @@ const gray: MantineColorsTuple = [
 
 export const theme = createTheme({
   primaryColor: "petrol",
-  primaryShade: { light: 7, dark: 5 },
+  primaryShade: { light: 7, dark: 6 },
   colors: { petrol, dark, gray },
   autoContrast: true,
   luminanceThreshold: 0.35,
@@ -61,4 +61,21 @@ export const theme = createTheme({
   cursorType: "pointer",
   focusRing: "auto",
   respectReducedMotion: true,
+  components: {
+    Paper: Paper.extend({
+      defaultProps: { withBorder: true, bg: "var(--card)" },
+      styles: { root: { borderColor: "var(--line)" } },
+    }),
+    Table: Table.extend({ defaultProps: { borderColor: "var(--line)" } }),
+    // The color stands in the line and the icon; the ground stays calm and the text readable in both themes.
+    Alert: Alert.extend({
+      vars: (_theme, { color = "petrol" }) => ({
+        root: {
+          "--alert-bg": `color-mix(in srgb, var(--mantine-color-${color}-6) 8%, var(--card))`,
+          "--alert-bd": `1px solid color-mix(in srgb, var(--mantine-color-${color}-6) 40%, var(--line))`,
+          "--alert-color": `light-dark(var(--mantine-color-${color}-8), var(--mantine-color-${color}-4))`,
+        },
+      }),
+    }),
+  },
 });

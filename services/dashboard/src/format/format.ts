@@ -1,9 +1,11 @@
-const NARROW_SPACE = "\u202F";
+/** A number and its unit stay on one line. */
+const SPACE = "\u00A0";
+const THIN_SPACE = "\u202F";
 
 /** 1536 → "1.5 kB", in powers of 1000 as disks and networks count. */
 export function bytes(count: number): string {
   if (!Number.isFinite(count) || count < 0) return "–";
-  if (count < 1000) return `${count}${NARROW_SPACE}B`;
+  if (count < 1000) return `${count}${SPACE}B`;
   const units = ["kB", "MB", "GB", "TB"];
   let value = count;
   let unit = -1;
@@ -11,7 +13,7 @@ export function bytes(count: number): string {
     value /= 1000;
     unit += 1;
   } while (unit < units.length - 1 && Number(value.toPrecision(3)) >= 1000);
-  return `${significant(value, 3)}${NARROW_SPACE}${units[unit]}`;
+  return `${significant(value, 3)}${SPACE}${units[unit]}`;
 }
 
 /** At most `digits` significant figures, without an exponent or trailing zeros. */
@@ -22,41 +24,37 @@ export function significant(value: number, digits: number): string {
 
 /** Grouped by thousands: 12 345. */
 export function integer(value: number): string {
-  return Math.round(value).toLocaleString("en").replaceAll(",", NARROW_SPACE);
+  return Math.round(value).toLocaleString("en").replaceAll(",", THIN_SPACE);
 }
 
 /** A volume given in mm³, in the unit that is read with ease. */
 export function volume(mm3: number): string {
-  return Math.abs(mm3) >= 1000
-    ? `${significant(mm3 / 1000, 3)}${NARROW_SPACE}cm³`
-    : `${significant(mm3, 3)}${NARROW_SPACE}mm³`;
+  return Math.abs(mm3) >= 1000 ? `${significant(mm3 / 1000, 3)}${SPACE}cm³` : `${significant(mm3, 3)}${SPACE}mm³`;
 }
 
 /** An area given in mm². */
 export function area(mm2: number): string {
-  return Math.abs(mm2) >= 1000
-    ? `${significant(mm2 / 100, 3)}${NARROW_SPACE}cm²`
-    : `${significant(mm2, 3)}${NARROW_SPACE}mm²`;
+  return Math.abs(mm2) >= 1000 ? `${significant(mm2 / 100, 3)}${SPACE}cm²` : `${significant(mm2, 3)}${SPACE}mm²`;
 }
 
 /** 0.937 → "94 %"; never 100 % for less than all. */
 export function percent(fraction: number): string {
   const clamped = Math.min(Math.max(fraction, 0), 1);
   const rounded = clamped < 1 ? Math.min(99, Math.round(clamped * 100)) : 100;
-  return `${rounded}${NARROW_SPACE}%`;
+  return `${rounded}${SPACE}%`;
 }
 
 /** A duration in seconds: "0.4 s", "12 s", "3 min 05 s", "2 h 10 min". */
 export function duration(seconds: number): string {
   if (!Number.isFinite(seconds) || seconds < 0) return "–";
-  if (seconds < 9.95) return `${seconds.toFixed(1)}${NARROW_SPACE}s`;
+  if (seconds < 9.95) return `${seconds.toFixed(1)}${SPACE}s`;
   const whole = Math.round(seconds);
-  if (whole < 60) return `${whole}${NARROW_SPACE}s`;
+  if (whole < 60) return `${whole}${SPACE}s`;
   const minutes = Math.floor(whole / 60);
   if (minutes < 60) {
-    return `${minutes}${NARROW_SPACE}min ${String(whole % 60).padStart(2, "0")}${NARROW_SPACE}s`;
+    return `${minutes}${SPACE}min${SPACE}${String(whole % 60).padStart(2, "0")}${SPACE}s`;
   }
-  return `${Math.floor(minutes / 60)}${NARROW_SPACE}h ${minutes % 60}${NARROW_SPACE}min`;
+  return `${Math.floor(minutes / 60)}${SPACE}h${SPACE}${minutes % 60}${SPACE}min`;
 }
 
 const STEPS: readonly [Intl.RelativeTimeFormatUnit, number][] = [
@@ -89,6 +87,6 @@ export function shape(extent: readonly number[]): string {
 /** A point in RAS mm as anatomists say it: "R 12.0 · A 3.5 · S 40.2". */
 export function anatomical([x, y, z]: readonly [number, number, number]): string {
   const part = (value: number, plus: string, minus: string) =>
-    `${value >= 0 ? plus : minus}${NARROW_SPACE}${Math.abs(value).toFixed(1)}`;
-  return [part(x, "R", "L"), part(y, "A", "P"), part(z, "S", "I")].join("  ");
+    `${value >= 0 ? plus : minus}${SPACE}${Math.abs(value).toFixed(1)}`;
+  return [part(x, "R", "L"), part(y, "A", "P"), part(z, "S", "I")].join("   ");
 }

@@ -11,7 +11,7 @@ const ROLES: Record<string, string> = { post: "After contrast", pre: "Before con
 export function JobFacts({ job, assets }: { job: Job; assets: ReadonlyMap<string, Asset> }) {
   const params = Object.entries(job.params);
   return (
-    <Paper withBorder p="md" bg="var(--card)" component="section" aria-label="About this job">
+    <Paper p="md" component="section" aria-label="About this job">
       <Title order={3} mb="xs">
         About this job
       </Title>

@@ -71,7 +71,7 @@ function LoadedJob({ job }: { job: Job }) {
       tab={name}
       title={
         <>
-          <Breadcrumbs mb={4} separatorMargin={6}>
+          <Breadcrumbs mb={4} separatorMargin={6} fz="sm" fw={400} c="dimmed">
             <LinkAnchor to="/jobs" size="sm">
               Jobs
             </LinkAnchor>
@@ -125,7 +125,7 @@ function Lead({ job }: { job: Job }) {
     );
   }
   return (
-    <Group component="span" gap="xs" mt={2} role="status">
+    <Group component="span" gap={6} mt={2} role="status">
       <StateBadge state={job.state} />
       {parts.map((part, index) => (
         <Text key={part.key} span size="sm" c="dimmed">
@@ -143,7 +143,7 @@ function Body({ job, assets }: { job: Job; assets: ReadonlyMap<string, Asset> })
     if (job.expired) {
       return (
         <Aside job={job} assets={assets}>
-          <Paper withBorder bg="var(--card)">
+          <Paper>
             <Empty icon={<TimerOff size={32} />} title="The results have expired">
               <Text size="sm" c="dimmed">
                 They were kept until {job.expires_at ? moment(job.expires_at) : "their time was over"}. Segment the
@@ -196,7 +196,7 @@ function Underway({ job, assets }: { job: Job; assets: ReadonlyMap<string, Asset
   const kind = kinds.data?.find(({ name }) => name === job.kind);
   return (
     <Aside job={job} assets={assets}>
-      <Paper withBorder p="lg" bg="var(--card)">
+      <Paper p="lg">
         {kind && <StagePath stages={kind.stages} current={job.state === "queued" ? "" : job.stage} />}
         <Group justify="space-between" mb={6} wrap="nowrap">
           <Text size="sm" truncate aria-live="polite">
@@ -235,7 +235,7 @@ function Ended({ job }: { job: Job }) {
   const crashed = job.state === "crashed";
   if (job.state === "cancelled" || !job.error) {
     return (
-      <Paper withBorder bg="var(--card)">
+      <Paper>
         <Empty
           icon={<CircleAlert size={32} />}
           title={job.state === "cancelled" ? "The job was cancelled" : "There is nothing to show"}
@@ -250,7 +250,7 @@ function Ended({ job }: { job: Job }) {
     );
   }
   return (
-    <Paper withBorder p="xl" bg="var(--card)" role="alert" data-testid="job-error">
+    <Paper p="xl" role="alert" data-testid="job-error">
       <Group align="flex-start" wrap="nowrap" gap="md">
         <CircleAlert
           size={26}

@@ -18,7 +18,7 @@ import { StateBadge } from "./StateBadge";
 
 /** A browser opens six connections to a host: two may stay open for events, the rest is for everything else. */
 const STREAMS = 2;
-const FILTERS = ["all", ...JOB_STATES] as const;
+const FILTERS = ["all", ...JOB_STATES.filter((state) => state !== "cancelling")] as const;
 
 const route = getRouteApi("/jobs");
 
@@ -150,8 +150,8 @@ function JobTable({ jobs, assets }: { jobs: readonly Job[]; assets: ReadonlyMap<
           <Table.Tr>
             <Table.Th>Job</Table.Th>
             <Table.Th w={130}>State</Table.Th>
-            <Table.Th w="38%">Progress and outcome</Table.Th>
-            <Table.Th w={90} visibleFrom="md">
+            <Table.Th w="36%">Progress and outcome</Table.Th>
+            <Table.Th w={116} visibleFrom="md">
               Took
             </Table.Th>
             <Table.Th w={120} visibleFrom="sm">

@@ -7,7 +7,7 @@ export function StageTimes({ stages }: { stages: readonly { name: string; second
   const longest = Math.max(...stages.map(({ seconds }) => seconds), 1e-9);
   if (stages.length === 0) return null;
   return (
-    <Paper withBorder p="md" bg="var(--card)" component="section" aria-label="Time by stage">
+    <Paper p="md" component="section" aria-label="Time by stage">
       <Title order={3} mb="xs">
         Time by stage
       </Title>

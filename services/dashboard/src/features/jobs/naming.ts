@@ -15,6 +15,7 @@ export function jobName(job: Job, assets: ReadonlyMap<string, Asset>): string {
 /** What came out of a job, in a few words. */
 export function outcome(job: Job): string {
   if (job.expired) return "The results have expired";
+  if (job.state === "cancelled") return "Called off";
   if (isSegmentationResult(job.result)) {
     const { objects } = job.result;
     if (objects.length === 0) return "Nothing found";

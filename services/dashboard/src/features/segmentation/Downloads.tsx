@@ -15,7 +15,7 @@ const TELLS: Record<string, string> = {
 export function Downloads({ artifacts }: { artifacts: readonly Artifact[] }) {
   if (artifacts.length === 0) return null;
   return (
-    <Paper withBorder p="md" bg="var(--card)" component="section" aria-labelledby="downloads">
+    <Paper p="md" component="section" aria-labelledby="downloads">
       <Title order={2} id="downloads" mb="xs">
         Downloads
       </Title>

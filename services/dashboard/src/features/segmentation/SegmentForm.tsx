@@ -1,7 +1,7 @@
 import {
-  Accordion,
   Alert,
   Button,
+  Collapse,
   type ComboboxItem,
   NumberInput,
   Paper,
@@ -14,6 +14,7 @@ import {
 } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { useNavigate, useSearch } from "@tanstack/react-router";
+import { ChevronDown, ChevronRight } from "lucide-react";
 import { type FormEvent, useMemo, useRef, useState } from "react";
 import { kindsQuery, useCreateJob, volumesQuery } from "@/api/queries";
 import type { Asset, JobCreate } from "@/api/types";
@@ -50,6 +51,7 @@ export function SegmentForm({ recent }: { recent: readonly string[] }) {
   const kinds = useQuery(kindsQuery);
   const create = useCreateJob();
   const [chosen, setChosen] = useState<Partial<Roles>>({});
+  const [open, setOpen] = useState(false);
   const [advanced, setAdvanced] = useState(DEFAULTS);
   const set = (change: Partial<Advanced>) => setAdvanced((before) => ({ ...before, ...change }));
   const attempt = useRef<{ request: string; key: string } | null>(null);
@@ -85,7 +87,7 @@ export function SegmentForm({ recent }: { recent: readonly string[] }) {
   };
 
   return (
-    <Paper withBorder p="lg" bg="var(--card)" component="section" aria-labelledby="segment">
+    <Paper p="lg" component="section" aria-labelledby="segment">
       <form onSubmit={submit}>
         <Stack gap="md">
           <div>
@@ -117,91 +119,97 @@ export function SegmentForm({ recent }: { recent: readonly string[] }) {
             loading={volumes.isLoading}
             onChange={(id) => setChosen((before) => ({ ...before, pre: id }))}
           />
-          <Accordion variant="default" chevronPosition="left" styles={{ content: { padding: "0.25rem 0 0" } }}>
-            <Accordion.Item value="advanced" style={{ border: 0 }}>
-              <Accordion.Control px={0}>
-                <Text size="sm" fw={500}>
-                  Advanced
-                </Text>
-              </Accordion.Control>
-              <Accordion.Panel>
-                <Stack gap="md">
-                  <Textarea
-                    label="Seed points"
-                    description="RAS millimetres, one point to a line. Empty: seeds are found automatically."
-                    placeholder="12.5, -30, 41"
-                    autosize
-                    minRows={2}
-                    maxRows={6}
-                    value={advanced.seeds}
-                    error={seedProblem}
-                    onChange={(event) => set({ seeds: event.currentTarget.value })}
-                  />
-                  <NumberInput
-                    label="Objects at the most"
-                    min={1}
-                    max={64}
-                    allowDecimal={false}
-                    value={advanced.maxObjects}
-                    onChange={(value) => set({ maxObjects: typeof value === "number" ? value : "" })}
-                  />
-                  <Select
-                    label="Topology"
-                    description="Whether the surface keeps its genus, or may merge and split."
-                    data={[
-                      { value: "preserve", label: "Preserve" },
-                      { value: "adaptive", label: "Adaptive" },
-                    ]}
-                    allowDeselect={false}
-                    value={advanced.topology}
-                    onChange={(value) => set({ topology: (value ?? "preserve") as Topology })}
-                  />
-                  <NumberInput
-                    label="Edge length of the mesh"
-                    description="Empty: chosen from the voxels' spacing."
-                    suffix=" mm"
-                    min={0.1}
-                    max={50}
-                    step={0.1}
-                    decimalScale={2}
-                    value={advanced.edgeLength}
-                    onChange={(value) => set({ edgeLength: typeof value === "number" ? value : "" })}
-                  />
-                  <div>
-                    <Text size="sm" fw={500} id="smoothing">
-                      Smoothing
-                    </Text>
-                    <Slider
-                      aria-labelledby="smoothing"
-                      min={0}
-                      max={1}
-                      step={0.01}
-                      marks={[{ value: DEFAULTS.smoothing }]}
-                      value={advanced.smoothing}
-                      onChange={(value) => set({ smoothing: value })}
-                    />
-                  </div>
-                  <NumberInput
-                    label="Random seed"
+          <div>
+            <Button
+              variant="subtle"
+              color="gray"
+              size="compact-sm"
+              px={6}
+              ml={-6}
+              aria-expanded={open}
+              aria-controls="advanced"
+              leftSection={open ? <ChevronDown size={16} /> : <ChevronRight size={16} />}
+              onClick={() => setOpen(!open)}
+            >
+              Advanced
+            </Button>
+            <Collapse expanded={open} id="advanced" pt={open ? "sm" : 0}>
+              <Stack gap="md">
+                <Textarea
+                  label="Seed points"
+                  description="RAS millimetres, one point to a line. Empty: seeds are found automatically."
+                  placeholder="12.5, -30, 41"
+                  autosize
+                  minRows={2}
+                  maxRows={6}
+                  value={advanced.seeds}
+                  error={seedProblem}
+                  onChange={(event) => set({ seeds: event.currentTarget.value })}
+                />
+                <NumberInput
+                  label="Objects at the most"
+                  min={1}
+                  max={64}
+                  allowDecimal={false}
+                  value={advanced.maxObjects}
+                  onChange={(value) => set({ maxObjects: typeof value === "number" ? value : "" })}
+                />
+                <Select
+                  label="Topology"
+                  description="Whether the surface keeps its genus, or may merge and split."
+                  data={[
+                    { value: "preserve", label: "Preserve" },
+                    { value: "adaptive", label: "Adaptive" },
+                  ]}
+                  allowDeselect={false}
+                  value={advanced.topology}
+                  onChange={(value) => set({ topology: (value ?? "preserve") as Topology })}
+                />
+                <NumberInput
+                  label="Edge length of the mesh"
+                  description="Empty: chosen from the voxels' spacing."
+                  suffix=" mm"
+                  min={0.1}
+                  max={50}
+                  step={0.1}
+                  decimalScale={2}
+                  value={advanced.edgeLength}
+                  onChange={(value) => set({ edgeLength: typeof value === "number" ? value : "" })}
+                />
+                <div>
+                  <Text size="sm" fw={500} id="smoothing">
+                    Smoothing
+                  </Text>
+                  <Slider
+                    aria-labelledby="smoothing"
                     min={0}
-                    max={2 ** 32 - 1}
-                    allowDecimal={false}
-                    value={advanced.randomSeed}
-                    onChange={(value) => set({ randomSeed: typeof value === "number" ? value : "" })}
+                    max={1}
+                    step={0.01}
+                    marks={[{ value: DEFAULTS.smoothing }]}
+                    value={advanced.smoothing}
+                    onChange={(value) => set({ smoothing: value })}
                   />
-                  <Button
-                    variant="subtle"
-                    color="gray"
-                    size="compact-sm"
-                    w="fit-content"
-                    onClick={() => setAdvanced(DEFAULTS)}
-                  >
-                    Back to the defaults
-                  </Button>
-                </Stack>
-              </Accordion.Panel>
-            </Accordion.Item>
-          </Accordion>
+                </div>
+                <NumberInput
+                  label="Random seed"
+                  min={0}
+                  max={2 ** 32 - 1}
+                  allowDecimal={false}
+                  value={advanced.randomSeed}
+                  onChange={(value) => set({ randomSeed: typeof value === "number" ? value : "" })}
+                />
+                <Button
+                  variant="subtle"
+                  color="gray"
+                  size="compact-sm"
+                  w="fit-content"
+                  onClick={() => setAdvanced(DEFAULTS)}
+                >
+                  Back to the defaults
+                </Button>
+              </Stack>
+            </Collapse>
+          </div>
           {create.isError && <Failure error={create.error} />}
           {volumes.isError && <Failure error={volumes.error} onRetry={() => void volumes.refetch()} />}
           <Button type="submit" disabled={!post || seedProblem !== null} loading={create.isPending}>

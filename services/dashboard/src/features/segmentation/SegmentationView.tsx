@@ -87,7 +87,7 @@ export default function SegmentationView({ job, result, post, facts }: Segmentat
       )}
       <div className={classes.columns}>
         <Stack gap="md">
-          <Paper withBorder p="md" bg="var(--card)" component="section" aria-labelledby="objects">
+          <Paper p="md" component="section" aria-labelledby="objects">
             <Group justify="space-between" mb="xs">
               <Title order={2} id="objects">
                 {objects.length === 1 ? "1 object" : `${objects.length} objects`}

@@ -11,6 +11,7 @@ import { gather, type Picked } from "./gather";
 import { UploadList } from "./UploadList";
 import { uploads } from "./uploads";
 import classes from "./uploads.module.css";
+import { VolumeShelf } from "./VolumeShelf";
 
 export function UploadPage() {
   const items = useStore(uploads.items);
@@ -53,6 +54,7 @@ export function UploadPage() {
               </Text>
             </section>
           )}
+          <VolumeShelf />
         </Stack>
         <SegmentForm recent={items.flatMap((item) => (item.assetId ? [item.assetId] : []))} />
       </div>

@@ -226,7 +226,7 @@ export class UploadManager {
         if (verdict === "start-over") {
           inner.url = null;
           this.#save(id);
-          this.#change(id, { sent: 0 });
+          this.#change(id, { state: "queued", sent: 0 });
         } else if (verdict === "give-up") {
           failures = 0;
           this.#change(id, { state: "failed", rate: 0, error: describe(error) });

@@ -67,7 +67,7 @@ export class SurfaceCanvas {
     parent.append(this.canvas);
     this.#renderer = new WebGLRenderer({ canvas: this.canvas, antialias: true });
     this.#renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
-    this.#renderer.setClearColor("#0b0f10");
+    this.#renderer.setClearColor("#000000");
     this.#camera.up.set(0, 0, 1);
     const light = new DirectionalLight("#ffffff", 2.1);
     light.position.set(0.4, 0.7, 1);

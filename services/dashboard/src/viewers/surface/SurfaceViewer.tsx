@@ -83,10 +83,12 @@ export function SurfaceViewer({ surfaces, chosen }: SurfaceViewerProps) {
   }, [ready, chosen]);
 
   return (
-    <ViewerFrame label="Surface" status={status} onRetry={() => setAttempt((before) => before + 1)}>
-      <div ref={parent} className={frame.stage} />
-      {ready && (
-        <div className={frame.tools}>
+    <ViewerFrame
+      label="Surface"
+      status={status}
+      onRetry={() => setAttempt((before) => before + 1)}
+      tools={
+        <>
           <Tooltip label="Show the mesh's edges" openDelay={400}>
             <ActionIcon
               variant={edges ? "filled" : "default"}
@@ -108,8 +110,10 @@ export function SurfaceViewer({ surfaces, chosen }: SurfaceViewerProps) {
               <Maximize size={16} />
             </ActionIcon>
           </Tooltip>
-        </div>
-      )}
+        </>
+      }
+    >
+      <div ref={parent} className={frame.stage} />
     </ViewerFrame>
   );
 }

@@ -54,10 +54,10 @@ export class VolumeCanvas {
     this.canvas.setAttribute("role", "img");
     parent.append(this.canvas);
     this.#viewer = new Niivue({
-      backColor: [0.043, 0.059, 0.063, 1],
-      crosshairColor: [0.56, 0.83, 0.8, 0.7],
-      crosshairWidth: 0.6,
-      crosshairGap: 8,
+      backColor: [0, 0, 0, 1],
+      crosshairColor: [0.5, 0.78, 0.75, 0.55],
+      crosshairWidth: 0.35,
+      crosshairGap: 14,
       fontColor: [0.81, 0.87, 0.87, 1],
       fontMinPx: 12,
       fontSizeScaling: 0.35,

@@ -105,17 +105,12 @@ export function VolumeViewer({ image, labels, focus }: VolumeViewerProps) {
   }, [ready, display.layout]);
 
   return (
-    <ViewerFrame label="Volume" status={status} onRetry={() => setAttempt((before) => before + 1)}>
-      <div ref={parent} className={frame.stage} />
-      {place && ready && (
-        <div className={frame.readout} data-testid="place">
-          {anatomical(place.mm)}
-          {place.intensity === null ? "" : `   ${significant(place.intensity, 4)}`}
-          {place.label > 0 ? `   ${labelName(place.label) ?? `label ${place.label}`}` : ""}
-        </div>
-      )}
-      {ready && (
-        <div className={frame.tools}>
+    <ViewerFrame
+      label="Volume"
+      status={status}
+      onRetry={() => setAttempt((before) => before + 1)}
+      tools={
+        <>
           <SegmentedControl
             size="xs"
             aria-label="View"
@@ -124,6 +119,15 @@ export function VolumeViewer({ image, labels, focus }: VolumeViewerProps) {
             onChange={(value) => change({ layout: value as VolumeLayout })}
           />
           <DisplayMenu display={display} range={range} hasLabels={labels !== null} onChange={change} />
+        </>
+      }
+    >
+      <div ref={parent} className={frame.stage} />
+      {place && ready && (
+        <div className={frame.readout} data-testid="place">
+          {anatomical(place.mm)}
+          {place.intensity === null ? "" : `   ${significant(place.intensity, 4)}`}
+          {place.label > 0 ? `   ${labelName(place.label) ?? `label ${place.label}`}` : ""}
         </div>
       )}
     </ViewerFrame>
