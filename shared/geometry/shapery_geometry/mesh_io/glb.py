@@ -29,6 +29,7 @@ from shapery_contracts.formats.model import corrupt
 from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.mesh_io.gltf_scene import GltfScene
 from shapery_geometry.mesh_io.limits import MeshLimits, no_faces
+from shapery_geometry.mesh_io.polygons import PolygonMesh
 
 _MAGIC, _JSON, _BINARY = b"glTF", b"JSON", b"BIN\0"
 _MOST_JSON: Final = 64 << 20
@@ -38,7 +39,7 @@ _TO_GLTF: Final = [0.001, 0, 0, 0, 0, 0, -0.001, 0, 0, 0.001, 0, 0, 0, 0, 0, 1]
 Colour = tuple[float, float, float, float]
 
 
-def read_glb(stream: BinaryIO, size: int, limits: MeshLimits) -> TriangleMesh:
+def read_glb(stream: BinaryIO, size: int, limits: MeshLimits) -> PolygonMesh:
     """Read a GLB file of `size` bytes; see `shapery_geometry.mesh_io.read_mesh`.
 
     The vertices are those of each node's primitives one after another, in the order of the scene; primitives of one
@@ -55,7 +56,7 @@ def read_glb(stream: BinaryIO, size: int, limits: MeshLimits) -> TriangleMesh:
     faces = np.concatenate(triangles)
     if not len(faces):
         raise no_faces("GLB", total)
-    return TriangleMesh(np.concatenate(points), faces)
+    return PolygonMesh.of_triangles(np.concatenate(points), faces)
 
 
 def _chunks(stream: BinaryIO, size: int) -> tuple[dict[str, Any], bytes]:

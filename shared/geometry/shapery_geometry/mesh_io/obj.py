@@ -19,11 +19,11 @@ import numpy as np
 from shapery_contracts.formats.model import corrupt
 from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.mesh_io.limits import MeshLimits, no_faces
-from shapery_geometry.mesh_io.polygons import triangulated
+from shapery_geometry.mesh_io.polygons import PolygonMesh
 from shapery_geometry.mesh_io.text import floats, integers, line_batches
 
 
-def read_obj(stream: BinaryIO, limits: MeshLimits) -> TriangleMesh:
+def read_obj(stream: BinaryIO, limits: MeshLimits) -> PolygonMesh:
     """Read an OBJ file; see `shapery_geometry.mesh_io.read_mesh`."""
     points = [np.zeros((0, 3))]
     corners = [np.zeros(0, dtype=np.int64)]
@@ -50,7 +50,7 @@ def read_obj(stream: BinaryIO, limits: MeshLimits) -> TriangleMesh:
     vertices = np.concatenate(points)
     if not face_count:
         raise no_faces("OBJ", vertex_count)
-    return TriangleMesh(vertices, triangulated(np.concatenate(corners), np.concatenate(counts), vertices, limits))
+    return PolygonMesh(vertices, np.concatenate(corners), np.concatenate(counts))
 
 
 def _statements(stream: BinaryIO) -> Iterator[tuple[list[list[bytes]], list[list[bytes]], list[int]]]:

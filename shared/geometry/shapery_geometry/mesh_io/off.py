@@ -17,11 +17,11 @@ from shapery_contracts.formats.meshes import OFF_MAGIC
 from shapery_contracts.formats.model import check_data_fits, corrupt, unsupported
 from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.mesh_io.limits import MeshLimits, no_faces
-from shapery_geometry.mesh_io.polygons import triangulated
+from shapery_geometry.mesh_io.polygons import PolygonMesh
 from shapery_geometry.mesh_io.text import floats, integers, rows_of
 
 
-def read_off(stream: BinaryIO, size: int, limits: MeshLimits) -> TriangleMesh:
+def read_off(stream: BinaryIO, size: int, limits: MeshLimits) -> PolygonMesh:
     """Read an OFF file of `size` bytes; see `shapery_geometry.mesh_io.read_mesh`.
 
     Where each vertex and each face stands on a line of its own, what follows its coordinates or corners there (colours,
@@ -51,7 +51,7 @@ def read_off(stream: BinaryIO, size: int, limits: MeshLimits) -> TriangleMesh:
     check_data_fits("OFF", 6 * vertex_count + 4 * face_count - 1, size)
     vertex_rows = list(islice(rows, vertex_count))
     if vertex_rows and len(vertex_rows[0]) < 3:
-        return _flowing([*vertex_rows, *rows], vertex_count, face_count, limits)
+        return _flowing([*vertex_rows, *rows], vertex_count, face_count)
     face_rows = list(islice(rows, face_count))
     if len(vertex_rows) + len(face_rows) < vertex_count + face_count:
         raise corrupt(
@@ -60,7 +60,7 @@ def read_off(stream: BinaryIO, size: int, limits: MeshLimits) -> TriangleMesh:
             "The file is truncated or its header is wrong; send it again.",
         )
     if len(face_rows[0]) <= integers(face_rows[0][:1], "faces")[0]:
-        return _flowing([*(row[:3] for row in vertex_rows), *face_rows, *rows], vertex_count, face_count, limits)
+        return _flowing([*(row[:3] for row in vertex_rows), *face_rows, *rows], vertex_count, face_count)
     for number, row in enumerate(vertex_rows):
         if len(row) < 3:
             raise corrupt(f"Vertex {number} of the OFF file has {len(row)} coordinates.")
@@ -70,10 +70,10 @@ def read_off(stream: BinaryIO, size: int, limits: MeshLimits) -> TriangleMesh:
         if not 0 <= count < len(row):
             raise corrupt(f"Face {number} of the OFF file should have {count} corners, and has {len(row) - 1}.")
     corners = [word for row, count in zip(face_rows, counts.tolist(), strict=True) for word in row[1 : 1 + count]]
-    return TriangleMesh(vertices, triangulated(integers(corners, "faces"), counts, vertices, limits))
+    return PolygonMesh(vertices, integers(corners, "faces"), counts)
 
 
-def _flowing(rows: list[list[bytes]], vertex_count: int, face_count: int, limits: MeshLimits) -> TriangleMesh:
+def _flowing(rows: list[list[bytes]], vertex_count: int, face_count: int) -> PolygonMesh:
     """Read vertices and faces whose numbers run on over lines; then nothing else may stand between them."""
     words = [word for row in rows for word in row]
     vertices = floats(words[: 3 * vertex_count], "vertices")
@@ -91,9 +91,7 @@ def _flowing(rows: list[list[bytes]], vertex_count: int, face_count: int, limits
             f"its {len(words)} numbers do not add up to that.",
             "The file is truncated or its header is wrong; send it again.",
         )
-    points = vertices.reshape(-1, 3)
-    sizes = np.array(counts, dtype=np.int64)
-    return TriangleMesh(points, triangulated(np.array(corners, dtype=np.int64), sizes, points, limits))
+    return PolygonMesh(vertices.reshape(-1, 3), np.array(corners, dtype=np.int64), np.array(counts, dtype=np.int64))
 
 
 def write_off(mesh: TriangleMesh, path: Path) -> None:

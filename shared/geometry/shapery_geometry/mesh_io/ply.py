@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from shapery_contracts.formats.model import corrupt, unsupported
 from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.mesh_io.limits import MeshLimits, no_faces
-from shapery_geometry.mesh_io.polygons import check_range, triangulated
+from shapery_geometry.mesh_io.polygons import PolygonMesh, check_range
 from shapery_geometry.mesh_io.text import floats, rows_of
 
 TYPES: Final = MappingProxyType(
@@ -63,7 +63,7 @@ class _Element:
         raise corrupt(f"The PLY file's element {self.name!r} has no {'list' if is_list else 'number'} called {wanted}.")
 
 
-def read_ply(stream: BinaryIO, size: int, limits: MeshLimits) -> TriangleMesh:
+def read_ply(stream: BinaryIO, size: int, limits: MeshLimits) -> PolygonMesh:
     """Read a PLY file of `size` bytes; see `shapery_geometry.mesh_io.read_mesh`.
 
     Of triangle strips the triangles that name a vertex twice, which only join strips, are left out.
@@ -98,13 +98,14 @@ def read_ply(stream: BinaryIO, size: int, limits: MeshLimits) -> TriangleMesh:
             strip_lists = reader.lists(element, element.index(_INDEX_NAMES, is_list=True))
         else:
             reader.skip(element)
-    triangles = triangulated(*polygons, vertices, limits)
+    corners, counts = polygons
     if len(strip_lists[0]):
-        triangles = np.concatenate((triangles, _unstripped(*strip_lists, len(vertices))))
-        limits.check(faces=len(triangles))
-    if not len(triangles):
+        triangles = _unstripped(*strip_lists, len(vertices))
+        corners = np.concatenate((corners, triangles.reshape(-1)))
+        counts = np.concatenate((counts, np.full(len(triangles), 3, dtype=np.int64)))
+    if not len(counts):
         raise no_faces("PLY", vertex.count)
-    return TriangleMesh(vertices, triangles)
+    return PolygonMesh(vertices, corners, counts)
 
 
 def _header(stream: BinaryIO) -> tuple[str, list[_Element], int]:

@@ -1,7 +1,8 @@
-"""Triangles from the polygons that mesh files hold."""
+"""What mesh files hold, polygons, and how they become triangles."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -9,10 +10,33 @@ from numpy.typing import NDArray
 
 from shapery_contracts.errors import InvalidInput
 from shapery_contracts.formats.model import corrupt
+from shapery_geometry.mesh import TriangleMesh, checked_vertices
 from shapery_geometry.mesh_io.limits import MeshLimits
 
 _MOST_CONCAVE: Final = 1000
 """Corners of a concave polygon; clipping its ears takes the square of their number."""
+
+
+@dataclass(frozen=True, eq=False)
+class PolygonMesh:
+    """What a reader found, before polygons are cut."""
+
+    vertices: NDArray[np.float64]
+    """(n, 3)."""
+    corners: NDArray[np.int64]
+    """(c,) vertex indices of all polygons one after another."""
+    counts: NDArray[np.int64]
+    """(p,) number of corners of each polygon, c in sum."""
+
+    @classmethod
+    def of_triangles(cls, vertices: NDArray[np.float64], triangles: NDArray[np.int64]) -> PolygonMesh:
+        """Return triangles (m, 3) in this form."""
+        return cls(vertices, triangles.reshape(-1), np.full(len(triangles), 3, dtype=np.int64))
+
+    def triangulated(self, limits: MeshLimits) -> TriangleMesh:
+        """Return the mesh of triangles; see `triangulated`."""
+        vertices = checked_vertices(self.vertices)
+        return TriangleMesh(vertices, triangulated(self.corners, self.counts, vertices, limits))
 
 
 def triangulated(

@@ -14,6 +14,7 @@ from shapery_geometry.mesh_io.limits import MeshLimits
 from shapery_geometry.mesh_io.obj import read_obj
 from shapery_geometry.mesh_io.off import read_off
 from shapery_geometry.mesh_io.ply import read_ply
+from shapery_geometry.mesh_io.polygons import PolygonMesh
 from shapery_geometry.mesh_io.stl import read_stl
 
 
@@ -56,6 +57,13 @@ def read_mesh_bytes(data: bytes, *, limits: MeshLimits | None = None, weld_stl: 
 
 
 def _read(stream: BinaryIO, size: int, limits: MeshLimits, weld_stl: bool) -> TriangleMesh:
+    return read_polygons(stream, size, limits, weld_stl=weld_stl)[0].triangulated(limits)
+
+
+def read_polygons(
+    stream: BinaryIO, size: int, limits: MeshLimits, *, weld_stl: bool = True
+) -> tuple[PolygonMesh, FileFormat]:
+    """Read a mesh whose polygons are not cut yet, and tell its format; otherwise like `read_mesh`."""
     found = sniff(stream, size)
     if found.kind is not AssetKind.MESH:
         raise InvalidInput(
@@ -69,16 +77,18 @@ def _read(stream: BinaryIO, size: int, limits: MeshLimits, weld_stl: bool) -> Tr
     stream.seek(0)
     match found.format:
         case "obj":
-            return read_obj(stream, limits)
+            mesh = read_obj(stream, limits)
         case "ply":
-            return read_ply(stream, size, limits)
+            mesh = read_ply(stream, size, limits)
         case "stl":
-            return read_stl(stream, size, limits, weld=weld_stl)
+            mesh = read_stl(stream, size, limits, weld=weld_stl)
         case "off":
-            return read_off(stream, size, limits)
+            mesh = read_off(stream, size, limits)
         case "glb":
-            return read_glb(stream, size, limits)
-    raise AssertionError(f"no reader for {found.format!r}")
+            mesh = read_glb(stream, size, limits)
+        case _:
+            raise AssertionError(f"no reader for {found.format!r}")
+    return mesh, found
 
 
 def _check_details(found: FileFormat, limits: MeshLimits) -> None:

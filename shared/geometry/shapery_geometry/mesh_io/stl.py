@@ -21,12 +21,13 @@ from numpy.typing import NDArray
 from shapery_contracts.formats.model import corrupt
 from shapery_geometry.mesh import TriangleMesh, checked_vertices
 from shapery_geometry.mesh_io.limits import MeshLimits, no_faces
+from shapery_geometry.mesh_io.polygons import PolygonMesh
 from shapery_geometry.mesh_io.text import floats, line_batches
 
 _RECORD: Final = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
-def read_stl(stream: BinaryIO, size: int, limits: MeshLimits, *, weld: bool = True) -> TriangleMesh:
+def read_stl(stream: BinaryIO, size: int, limits: MeshLimits, *, weld: bool = True) -> PolygonMesh:
     """Read an STL file of `size` bytes; see `shapery_geometry.mesh_io.read_mesh`.
 
     Parameters
@@ -44,10 +45,9 @@ def read_stl(stream: BinaryIO, size: int, limits: MeshLimits, *, weld: bool = Tr
         corners = _text(stream, limits)
     if not len(corners):
         raise no_faces("STL", 0)
-    points = checked_vertices(corners)
     if not weld:
-        return TriangleMesh(points, np.arange(len(points)).reshape(-1, 3))
-    return TriangleMesh(*welded_exactly(points))
+        return PolygonMesh.of_triangles(corners, np.arange(len(corners), dtype=np.int64).reshape(-1, 3))
+    return PolygonMesh.of_triangles(*welded_exactly(checked_vertices(corners)))
 
 
 def welded_exactly(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
