@@ -32,6 +32,11 @@ GRID_TOLERANCE = 1e-3
 """Fraction of the smallest spacing by which the corners of two grids may differ and still be one grid. Files round
 their affines to float32 or to a few decimals, which moves a corner by about 1e-4 of a voxel."""
 
+LARGEST_COORDINATE = 1e9
+"""Millimetres. A header with a larger number is damaged; its square would overflow."""
+SMALLEST_SPACING = 1e-9
+"""Millimetres. A header with a smaller number is damaged; its voxel volume would vanish."""
+
 
 def check_affine(affine: npt.ArrayLike) -> FloatArray:
     """Return `affine` as a read-only (4, 4) float64 array.
@@ -48,10 +53,14 @@ def check_affine(affine: npt.ArrayLike) -> FloatArray:
         raise InvalidInput("invalid_volume", "The affine from voxels to millimetres has values that are not finite.")
     if not np.allclose(matrix[3], (0.0, 0.0, 0.0, 1.0), rtol=0.0, atol=1e-9):
         raise InvalidInput("invalid_volume", f"The last row of the affine is {matrix[3].tolist()}, not [0, 0, 0, 1].")
+    if np.abs(matrix).max() > LARGEST_COORDINATE:
+        raise InvalidInput(
+            "invalid_volume", f"The affine has a value of {np.abs(matrix).max():g} mm, which is no place."
+        )
     lengths = np.sqrt((matrix[:3, :3] ** 2).sum(axis=0))
     # The determinant of the unit axes: 1 for orthogonal ones, 0 for flat ones, whatever the spacing.
     with np.errstate(all="ignore"):
-        flatness = abs(np.linalg.det(matrix[:3, :3] / lengths)) if (lengths > 0).all() else 0.0
+        flatness = abs(np.linalg.det(matrix[:3, :3] / lengths)) if (lengths > SMALLEST_SPACING).all() else 0.0
     if not flatness > 1e-6:
         raise InvalidInput(
             "invalid_volume",

@@ -9,7 +9,6 @@ from __future__ import annotations
 import io
 import itertools
 import math
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -30,6 +29,7 @@ from shapery_geometry.volume_io.dicom_pixels import (
     check_syntax,
     decode,
     foreign_faults,
+    lenient_pydicom,
 )
 from shapery_geometry.volume_io.dicom_slices import DicomSlice, DicomStack, Vector, choose_series, stack_slices
 from shapery_geometry.volume_io.source import Array, ReadLimits, VolumeHeader, check_size, take_component
@@ -284,7 +284,7 @@ def _scan(files: FileList, limits: ReadLimits) -> _Scan:
             if recognition.transfer_syntax(head) == DEFLATED:
                 check_deflated(stream, limits.bytes, name)
             stream.seek(0)
-            with foreign_faults(name):
+            with foreign_faults(name), lenient_pydicom():
                 _read_headers(stream, index, name, size, scan)
     if not scan.slices:
         raise refusal or InvalidInput("unknown_format", "None of the files is a DICOM image.")
@@ -294,30 +294,27 @@ def _scan(files: FileList, limits: ReadLimits) -> _Scan:
 def _read_headers(stream: BinaryIO, index: int, name: str, size: int, scan: _Scan) -> None:
     import pydicom
 
-    with warnings.catch_warnings():
-        # Values that break the standard's rules are common, and those that matter here are checked below.
-        warnings.simplefilter("ignore")
-        dataset = pydicom.dcmread(stream, stop_before_pixels=True, specific_tags=list(_TAGS))
-        pixels = _pixels_of(dataset, name)
-        groups = dataset.get("PerFrameFunctionalGroupsSequence")
-        frames = int(dataset.get("NumberOfFrames") or 1)
-        claimed = pixels.bytes_per_frame * frames
-        if pixels.syntax in PLAIN and claimed > size:
-            raise corrupt(f"{name} should hold {claimed} bytes of pixels, and has {size} bytes; it is truncated.")
-        scan.pixels[index] = pixels
-        if not groups:
-            if frames > 1:
-                raise unsupported(
-                    f"{name} holds {frames} frames and does not say where each lies.",
-                    "Export the series as single slices, or as an enhanced multi-frame file.",
-                )
-            scan.slices.append(_slice_of(dataset, None, None, index, 0, name))
-            return
-        if len(groups) != frames:
-            raise corrupt(f"{name} claims {frames} frames and describes {len(groups)}.")
-        shared = dataset.get("SharedFunctionalGroupsSequence")
-        for number, group in enumerate(groups):
-            scan.slices.append(_slice_of(dataset, group, shared[0] if shared else None, index, number, name))
+    dataset = pydicom.dcmread(stream, stop_before_pixels=True, specific_tags=list(_TAGS))
+    pixels = _pixels_of(dataset, name)
+    groups = dataset.get("PerFrameFunctionalGroupsSequence")
+    frames = int(dataset.get("NumberOfFrames") or 1)
+    claimed = pixels.bytes_per_frame * frames
+    if pixels.syntax in PLAIN and claimed > size:
+        raise corrupt(f"{name} should hold {claimed} bytes of pixels, and has {size} bytes; it is truncated.")
+    scan.pixels[index] = pixels
+    if not groups:
+        if frames > 1:
+            raise unsupported(
+                f"{name} holds {frames} frames and does not say where each lies.",
+                "Export the series as single slices, or as an enhanced multi-frame file.",
+            )
+        scan.slices.append(_slice_of(dataset, None, None, index, 0, name))
+        return
+    if len(groups) != frames:
+        raise corrupt(f"{name} claims {frames} frames and describes {len(groups)}.")
+    shared = dataset.get("SharedFunctionalGroupsSequence")
+    for number, group in enumerate(groups):
+        scan.slices.append(_slice_of(dataset, group, shared[0] if shared else None, index, number, name))
 
 
 def _pixels_of(dataset: Any, name: str) -> _Pixels:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import tempfile
+import warnings
 import zlib
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -58,11 +59,12 @@ def foreign_faults(what: str) -> Iterator[None]:
     """Turn whatever a library raises on foreign bytes into ``corrupt_file``.
 
     The libraries document no set of errors for damaged files: `AttributeError`, `struct.error`, `IndexError` and many
-    more were seen. Our own errors, lack of memory and failures of the disk pass.
+    more were seen. Our own errors, lack of memory, failures of the disk, and what can only be a defect of a program
+    pass.
     """
     try:
         yield
-    except (UserError, MemoryError):
+    except (UserError, MemoryError, NameError, ImportError, AssertionError):
         raise
     except OSError as error:
         if error.errno is not None:
@@ -71,6 +73,24 @@ def foreign_faults(what: str) -> Iterator[None]:
     except Exception as error:
         text = str(error).splitlines()[0][:160] if str(error) else type(error).__name__
         raise corrupt(f"{what} is damaged ({text}).") from error
+
+
+@contextlib.contextmanager
+def lenient_pydicom() -> Iterator[None]:
+    """Keep `pydicom` from warning of values that break the standard's rules.
+
+    They are common, those that matter are checked here, and the warnings would carry them into logs.
+    """
+    from pydicom import config
+
+    before = config.settings.reading_validation_mode
+    config.settings.reading_validation_mode = config.IGNORE
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        config.settings.reading_validation_mode = before
 
 
 def check_syntax(syntax: str, name: str) -> None:
@@ -133,7 +153,7 @@ def decode(opened: Callable[[], BinaryIO], syntax: str, frames: Sequence[int], n
         The file's name, for errors.
     """
     check_syntax(syntax, name)
-    with foreign_faults(name), opened() as stream:
+    with foreign_faults(name), lenient_pydicom(), opened() as stream:
         if syntax in BY_GDCM:
             yield from _by_gdcm(stream, frames, name)
         else:
