@@ -30,7 +30,7 @@ export interface paths {
         };
         /**
          * Metrics for Prometheus
-         * @description Requests by route, queue lengths, jobs by state, live workers. Holds no names, ids or secrets.
+         * @description Tell requests by route, queue lengths, jobs by state, live workers; no names, ids or secrets.
          */
         get: operations["getMetrics"];
         put?: never;
@@ -149,7 +149,7 @@ export interface paths {
         put?: never;
         /**
          * Ask for many jobs
-         * @description All items are valid, or no job is created. As NDJSON the items may come as they are made.
+         * @description Create all jobs, or none where an item is not valid. As NDJSON the items may come as they are made.
          */
         post: operations["createBatch"];
         delete?: never;
@@ -189,7 +189,7 @@ export interface paths {
         put?: never;
         /**
          * Cancel a batch
-         * @description What has ended stays; what waits ends at once, what runs within a second or two.
+         * @description Cancel what has not ended: what waits ends at once, what runs within a second or two.
          */
         post: operations["cancelBatch"];
         delete?: never;
@@ -293,7 +293,7 @@ export interface paths {
         put?: never;
         /**
          * Ask for a job
-         * @description The job is queued and can be followed at once. With an `Idempotency-Key` a repeated request makes no second.
+         * @description Queue a job, which can be followed at once. With an `Idempotency-Key` a repeated request makes no second one.
          */
         post: operations["createJob"];
         delete?: never;
@@ -353,7 +353,7 @@ export interface paths {
         put?: never;
         /**
          * Cancel a job
-         * @description A queued job ends at once, a running one within a second or two.
+         * @description End a queued job at once, a running one within a second or two.
          */
         post: operations["cancelJob"];
         delete?: never;
@@ -413,13 +413,13 @@ export interface paths {
         };
         /**
          * List your keys
-         * @description The keys of your owner that are not revoked, newest first, without their secrets.
+         * @description List the keys of your owner that are not revoked, newest first, without their secrets.
          */
         get: operations["listKeys"];
         put?: never;
         /**
          * Make a key
-         * @description The key opens the same things as yours, within its scopes. Its secret is shown in this answer and never again.
+         * @description Make a key to the same things as yours, within its scopes. Its secret is shown in this answer and never again.
          */
         post: operations["createKey"];
         delete?: never;
@@ -504,7 +504,7 @@ export interface paths {
         post?: never;
         /**
          * Give up an upload
-         * @description The bytes are removed. The asset of a finished upload stays.
+         * @description Remove what was sent. The asset of a finished upload stays.
          */
         delete: operations["deleteUpload"];
         options?: never;
@@ -515,7 +515,7 @@ export interface paths {
         head: operations["getUpload"];
         /**
          * Send bytes of an upload
-         * @description What arrives is kept, also when the connection breaks, unless a checksum was sent that then cannot be checked.
+         * @description Send bytes. What arrives is kept, also when the connection breaks, unless a checksum came that cannot be checked.
          *
          *     The answer to the last bytes names the asset in `Upload-Asset-Id`.
          */
