@@ -16,6 +16,7 @@ from shapery_contracts.api import JobCreate
 from shapery_contracts.formats import AssetKind, FileFormat
 from shapery_platform import assets, jobs
 from shapery_platform.db import Database
+from shapery_platform.db.models import Base
 from shapery_platform.jobs import ClaimedJob
 from shapery_platform.settings import Settings, load_settings
 from shapery_platform.storage import ObjectStore, UploadStaging
@@ -64,12 +65,19 @@ def migrated_sqlite(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def migrated_postgres(postgres: PostgresServer) -> str:
-    """The name of a migrated database to copy."""
+    """The address of a migrated database, which tests use one after the other."""
     url = postgres.create_database()
     database = Database(url)
     database.migrate()
     database.dispose()
-    return url.rsplit("/", 1)[-1]
+    return url
+
+
+def empty(url: str) -> None:
+    """Delete all rows: quicker than a new database for every test."""
+    with psycopg.connect(url) as connection:
+        for table in reversed(Base.metadata.sorted_tables):
+            connection.execute(sql.SQL("DELETE FROM {}").format(sql.Identifier(table.name)))
 
 
 @pytest.fixture(params=DATABASES)
@@ -79,15 +87,9 @@ def database_url(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[str
         shutil.copyfile(request.getfixturevalue("migrated_sqlite"), target)
         yield f"sqlite:///{target}"
         return
-    server: PostgresServer = request.getfixturevalue("postgres")
-    template: str = request.getfixturevalue("migrated_postgres")
-    name = f"{template}_{abs(hash(request.node.nodeid))}"
-    with psycopg.connect(server.url("postgres"), autocommit=True) as connection:
-        connection.execute(
-            sql.SQL("CREATE DATABASE {} TEMPLATE {}").format(sql.Identifier(name), sql.Identifier(template))
-        )
-    yield server.url(name)
-    server.drop_database(server.url(name))
+    url: str = request.getfixturevalue("migrated_postgres")
+    yield url
+    empty(url)
 
 
 @pytest.fixture
