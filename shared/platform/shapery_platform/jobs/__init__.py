@@ -4,7 +4,7 @@ Every function takes a session and never commits. Functions for users name the o
 not exist for them; functions for workers name the lease that `claim` gave, and tell whether they took effect.
 """
 
-from shapery_platform.jobs.claiming import ClaimedInput, ClaimedJob, claim
+from shapery_platform.jobs.claiming import ClaimedInput, ClaimedJob, claim, waiting_attempt
 from shapery_platform.jobs.creation import create
 from shapery_platform.jobs.lifecycle import (
     NewArtifact,
@@ -44,4 +44,5 @@ __all__ = [
     "stop",
     "succeed",
     "view",
+    "waiting_attempt",
 ]

@@ -51,6 +51,14 @@ class ClaimedJob:
     inputs: Mapping[str, tuple[ClaimedInput, ...]] = field(default_factory=lambda: MappingProxyType({}))
 
 
+def waiting_attempt(session: Session, job_id: UUID) -> int | None:
+    """Return how often a job that waits was claimed before, or None where there is nothing to claim.
+
+    For a worker that runs a job which broke off before apart from others, and so waits before it claims.
+    """
+    return repository.waiting_attempt(session, job_id)
+
+
 def claim(session: Session, job_id: UUID, worker_id: str) -> ClaimedJob | None:
     """Take a queued job, or return None where there is nothing to take: it runs, has ended, or was cancelled."""
     row = repository.lock(session, job_id)

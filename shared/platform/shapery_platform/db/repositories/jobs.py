@@ -92,6 +92,11 @@ def lock(session: Session, job_id: UUID, *, owner: str | None = None, lease: UUI
     return session.execute(query.with_for_update()).one_or_none()
 
 
+def waiting_attempt(session: Session, job_id: UUID) -> int | None:
+    """Return how often a queued job was claimed before, or None where it is not queued."""
+    return session.scalars(select(Job.attempt).where(Job.id == job_id, Job.state == JobState.QUEUED)).one_or_none()
+
+
 def update_state(
     session: Session, job_id: UUID, expected: JobState, lease: UUID | None, values: Mapping[str, Any], at: datetime
 ) -> bool:
