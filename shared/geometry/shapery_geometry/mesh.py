@@ -266,7 +266,8 @@ def icosphere(center: ArrayLike = (0.0, 0.0, 0.0), radius: float = 1.0, subdivis
 
 def checked_vertices(vertices: ArrayLike) -> FloatArray:
     """Return a read-only (n, 3) float64 copy, or raise ``invalid_mesh`` naming the first vertex that is not finite."""
-    points = np.array(vertices, dtype=np.float64, order="C")
+    with np.errstate(invalid="ignore"):
+        points = np.array(vertices, dtype=np.float64, order="C")
     if points.size == 0:
         points = points.reshape(0, 3)
     if points.ndim != 2 or points.shape[1] != 3:

@@ -332,9 +332,11 @@ def _npy_array(data: bytes, header: NpyHeader) -> NDArray[Any]:
 
 
 def _native(values: NDArray[Any]) -> FrameArray:
-    if values.dtype.itemsize > 4:
-        return np.ascontiguousarray(values, dtype=np.float64)
-    return np.ascontiguousarray(values, dtype=np.float32)
+    # a signalling NaN is reported when the frame is checked
+    with np.errstate(invalid="ignore"):
+        if values.dtype.itemsize > 4:
+            return np.ascontiguousarray(values, dtype=np.float64)
+        return np.ascontiguousarray(values, dtype=np.float32)
 
 
 def _map(path: Path, header: NpyHeader) -> FrameArray | None:

@@ -130,7 +130,9 @@ class GltfScene:
             count = self._count(position)
             self._vertices += count
             self._limits.check(self._vertices)
-            points = self._accessor(position, "VEC3").astype(np.float64)
+            # a signalling NaN is reported when the mesh is made
+            with np.errstate(invalid="ignore"):
+                points = self._accessor(position, "VEC3").astype(np.float64)
             triangles = []
             for primitive in primitives:
                 corners = self._count(primitive["indices"]) if "indices" in primitive else count
@@ -150,8 +152,10 @@ class GltfScene:
                     f"A mesh of the GLB file names vertex {int(faces.max())}, and has {count} vertices.",
                     "Check the file with the program that wrote it, and send it again.",
                 )
-            moved = points @ matrix[:3, :3].T + matrix[:3, 3]
-            if np.linalg.det(matrix[:3, :3]) < 0:
+            with np.errstate(all="ignore"):
+                moved = points @ matrix[:3, :3].T + matrix[:3, 3]
+                mirrored = np.linalg.det(matrix[:3, :3]) < 0
+            if mirrored:
                 # a mirror image has its inside out
                 faces = faces[:, ::-1]
             yield Part(moved, faces)

@@ -251,8 +251,10 @@ class _BinaryReader:
             raise self._truncated(element)
         self._at += table.nbytes
         result = np.empty((element.count, len(columns)))
-        for k, column in enumerate(columns):
-            result[:, k] = table[f"p{column}"]
+        # a signalling NaN is reported when the mesh is made
+        with np.errstate(invalid="ignore"):
+            for k, column in enumerate(columns):
+                result[:, k] = table[f"p{column}"]
         return result
 
     def lists(self, element: _Element, wanted: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -309,7 +311,9 @@ class _BinaryReader:
 
 
 def _whole(values: NDArray[Any]) -> NDArray[np.int64]:
-    if values.dtype.kind == "f" and not ((np.abs(values) < 2.0**53) & (values == np.rint(values))).all():
+    with np.errstate(invalid="ignore"):
+        whole = values.dtype.kind != "f" or ((np.abs(values) < 2.0**53) & (values == np.rint(values))).all()
+    if not whole:
         raise corrupt("The PLY file names vertices by numbers that are not whole.")
     return values.astype(np.int64)
 

@@ -66,7 +66,9 @@ def _binary(stream: BinaryIO, count: int) -> NDArray[np.float64]:
     if len(data) != 50 * count:
         raise corrupt(f"The STL file announces {count} triangles and ends after {len(data) // 50}.")
     records = np.frombuffer(data, dtype=_RECORD)
-    return records["corners"].reshape(-1, 3).astype(np.float64)
+    # a signalling NaN is reported when the mesh is made
+    with np.errstate(invalid="ignore"):
+        return records["corners"].reshape(-1, 3).astype(np.float64)
 
 
 def _text(stream: BinaryIO, limits: MeshLimits) -> NDArray[np.float64]:
