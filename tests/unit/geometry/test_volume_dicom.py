@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tracemalloc
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -411,6 +412,38 @@ class TestTransferSyntaxes:
         assert packed < 200_000
         assert isinstance(error, LimitExceeded)
         assert error.code == "too_large"
+
+
+def test_of_a_zip_nothing_is_unpacked_but_headers_and_the_chosen_slices(tmp_path: Path) -> None:
+    zeros = bytes(40 << 20)
+    with zipfile.ZipFile(tmp_path / "v.zip", "w", zipfile.ZIP_DEFLATED) as archive:
+        for path in write_series(tmp_path / "s", phantom(), series="1.2.3"):
+            archive.write(path, path.name)
+        archive.writestr("movie.avi", zeros)
+        # Its pixels stand at the beginning, and much follows them.
+        other = (tmp_path / "s" / "image-0000.dcm").read_bytes().replace(b"1.2.3\0", b"1.2.4\0")
+        archive.writestr("z.dcm", other + zeros)
+    tracemalloc.start()
+    try:
+        volume = read_volume(tmp_path / "v.zip", series="1.2.3")
+        assert tracemalloc.get_traced_memory()[1] < 10 << 20
+    finally:
+        tracemalloc.stop()
+    same_as_phantom(volume)
+    assert any("movie.avi" in warning for warning in volume.warnings)
+
+
+def test_a_header_in_a_zip_is_bounded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("shapery_geometry.volume_io.dicom.HEADER_LIMIT", 1 << 20)
+    with zipfile.ZipFile(tmp_path / "v.zip", "w", zipfile.ZIP_DEFLATED) as archive:
+        for k in range(DEPTH):
+            swollen = dicom_slice(phantom(), k, series="1.2.3")
+            swollen.add_new(0x00090010, "LO", "PRIVATE")
+            swollen.add_new(0x00091010, "OB", bytes(2 << 20))
+            archive.write(write_dicom(swollen, tmp_path / "s.dcm"), f"{k}.dcm")
+    error = refusal(tmp_path / "v.zip")
+    assert error.code == "too_large"
+    assert "0.dcm" in error.message
 
 
 class TestDamage:

@@ -34,6 +34,10 @@ from shapery_geometry.volume_io.dicom_pixels import (
 from shapery_geometry.volume_io.dicom_slices import DicomSlice, DicomStack, Vector, choose_series, stack_slices
 from shapery_geometry.volume_io.source import Array, ReadLimits, VolumeHeader, check_size, take_component
 
+HEADER_LIMIT: Final = 256 << 20
+"""Bytes before the pixels; an enhanced file with thousands of frames has some tens of megabytes of them."""
+DEFLATED_LIMIT: Final = 1 << 30
+"""Bytes that a deflated file may unpack to, which `pydicom` does in memory and in one go."""
 _TAGS: Final = [
     "SOPClassUID",
     "SOPInstanceUID",
@@ -73,24 +77,29 @@ class FileList:
 
     names: tuple[str, ...]
     openers: tuple[Callable[[], BinaryIO], ...]
+    header_openers: tuple[Callable[[], BinaryIO], ...]
+    """Open each for reading from its beginning, without unpacking what is not read."""
     sizes: tuple[int, ...]
 
     @classmethod
     def of_paths(cls, paths: Sequence[Path], root: Path | None = None) -> FileList:
         """Return the files at `paths`, named relative to `root`."""
+        openers = tuple(partial(_open_path, path) for path in paths)
         return cls(
-            tuple(path.name if root is None else path.relative_to(root).as_posix() for path in paths),
-            tuple(partial(_open_path, path) for path in paths),
-            tuple(path.stat().st_size for path in paths),
+            names=tuple(path.name if root is None else path.relative_to(root).as_posix() for path in paths),
+            openers=openers,
+            header_openers=openers,
+            sizes=tuple(path.stat().st_size for path in paths),
         )
 
     @classmethod
     def of_archive(cls, archive: SafeArchive) -> FileList:
         """Return the entries of `archive`; each is unpacked in memory when it is opened."""
         return cls(
-            tuple(entry.name for entry in archive.entries),
-            tuple(partial(_open_entry, archive, entry.name) for entry in archive.entries),
-            tuple(entry.size for entry in archive.entries),
+            names=tuple(entry.name for entry in archive.entries),
+            openers=tuple(partial(_open_entry, archive, entry.name) for entry in archive.entries),
+            header_openers=tuple(partial(_Unpacking, archive, entry.name) for entry in archive.entries),
+            sizes=tuple(entry.size for entry in archive.entries),
         )
 
 
@@ -105,6 +114,36 @@ class _Clamped(io.BufferedReader):
     def read(self, size: int | None = -1, /) -> bytes:
         left = max(self._end - self.tell(), 0)
         return super().read(left if size is None or size < 0 else min(size, left))
+
+
+class _Unpacking(io.BytesIO):
+    """The beginning of an archive's entry, unpacked as far as it is read."""
+
+    def __init__(self, archive: SafeArchive, name: str) -> None:
+        super().__init__()
+        self._name = name
+        self._source = archive.open(name)
+        self._unpacked = 0
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        end = HEADER_LIMIT + 1 if size is None or size < 0 else min(self.tell() + size, HEADER_LIMIT + 1)
+        while self._unpacked < end:
+            data = self._source.read(min(end - self._unpacked, 1 << 16))
+            if not data:
+                break
+            here = self.tell()
+            self.seek(self._unpacked)
+            self._unpacked += self.write(data)
+            self.seek(here)
+        if self._unpacked > HEADER_LIMIT:
+            raise LimitExceeded(
+                "too_large", f"The header of {self._name} is longer than {HEADER_LIMIT} bytes, the most that is read."
+            )
+        return super().read(size)
+
+    def close(self) -> None:
+        self._source.close()
+        super().close()
 
 
 def _open_path(path: Path) -> BinaryIO:
@@ -265,7 +304,7 @@ def _scan(files: FileList, limits: ReadLimits) -> _Scan:
     """
     scan = _Scan([], {}, [])
     refusal: UserError | None = None
-    for index, (name, opener, size) in enumerate(zip(files.names, files.openers, files.sizes, strict=True)):
+    for index, (name, opener, size) in enumerate(zip(files.names, files.header_openers, files.sizes, strict=True)):
         if size > limits.bytes:
             raise LimitExceeded("too_large", f"{name} has {size} bytes; at most {limits.bytes} are allowed.")
         with opener() as stream:
@@ -282,7 +321,7 @@ def _scan(files: FileList, limits: ReadLimits) -> _Scan:
                 scan.left_out.append(name)
                 continue
             if recognition.transfer_syntax(head) == DEFLATED:
-                check_deflated(stream, limits.bytes, name)
+                check_deflated(stream, min(limits.bytes, DEFLATED_LIMIT), name)
             stream.seek(0)
             with foreign_faults(name), lenient_pydicom():
                 _read_headers(stream, index, name, size, scan)
@@ -301,6 +340,8 @@ def _read_headers(stream: BinaryIO, index: int, name: str, size: int, scan: _Sca
     claimed = pixels.bytes_per_frame * frames
     if pixels.syntax in PLAIN and claimed > size:
         raise corrupt(f"{name} should hold {claimed} bytes of pixels, and has {size} bytes; it is truncated.")
+    if pixels.syntax in PLAIN and size > claimed + HEADER_LIMIT:
+        raise corrupt(f"{name} should hold {claimed} bytes of pixels, and has {size} bytes.")
     scan.pixels[index] = pixels
     if not groups:
         if frames > 1:

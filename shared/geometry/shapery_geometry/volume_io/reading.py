@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import shutil
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -21,7 +22,7 @@ from shapery_geometry.volume_io.nrrd import NrrdSource
 from shapery_geometry.volume_io.source import ReadLimits, VolumeHeader, VolumeSource, load_volume
 
 _PEEK = 1 << 16
-_MARKS = (b"\x5c\x01\0\0", b"\0\0\x01\x5c", b"\x1c\x02\0\0", b"\0\0\x02\x1c", b"\x1f\x8b", b"NRRD000")
+_MARKS = (b"\x5c\x01\0\0", b"\0\0\x01\x5c", b"\x1c\x02\0\0", b"\0\0\x02\x1c", b"\x1f\x8b", b"PK\x03\x04", b"NRRD000")
 
 
 def read_volume(
@@ -139,14 +140,20 @@ def _named_data(path: Path, stream: BinaryIO) -> Path | None:
     """Return the path of the data file that a detached header names; None if `path` is no such header."""
     head = stream.read(_PEEK)
     if head.startswith(nrrd.MAGIC):
-        name = nrrd.parse_header(head + stream.read(nrrd.MAX_HEADER - len(head))).data_file
-    elif metaimage.looks_like_metaimage(head):
+        head += stream.read(nrrd.MAX_HEADER - len(head))
+    name = _data_name(head)
+    return path.parent / zipped.companion_name(path.name, name) if name else None
+
+
+def _data_name(head: bytes) -> str:
+    """Return the data file that a detached header names; empty if `head` begins no such header."""
+    if head.startswith(nrrd.MAGIC):
+        return nrrd.parse_header(head).data_file
+    if metaimage.looks_like_metaimage(head):
         header = metaimage.parse_header(head)
         metaimage.check_data_file(header)
-        name = header.data_file
-    else:
-        return None
-    return path.parent / zipped.companion_name(path.name, name) if name else None
+        return header.data_file
+    return ""
 
 
 def _open_pair(header: Path, data: Path, stack: contextlib.ExitStack) -> VolumeSource:
@@ -157,13 +164,30 @@ def _open_pair(header: Path, data: Path, stack: contextlib.ExitStack) -> VolumeS
 
 
 def _open_packed_pair(archive: SafeArchive, limits: ReadLimits, stack: contextlib.ExitStack) -> VolumeSource:
-    if archive.total_bytes > limits.bytes:
-        raise LimitExceeded(
-            "too_large", f"The archive unpacks to {archive.total_bytes} bytes; at most {limits.bytes} are allowed."
-        )
+    """Unpack a header and the data file that it names, and nothing else of the archive."""
     folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="shapery-")))
-    archive.extract_to(folder)
-    return _open_folder(folder, None, limits, stack)
+    sizes = {entry.name: entry.size for entry in archive.entries}
+    for name, size in sizes.items():
+        head = archive.read(name, min(size, _PEEK))
+        if not (head.startswith(nrrd.MAGIC) or metaimage.looks_like_metaimage(head)):
+            continue
+        data = _data_name(head)
+        if not data:
+            continue
+        companion = zipped.companion_name(name, data)
+        if companion not in sizes:
+            raise corrupt(f"The header {name!r} names the data file {data[:80]!r}, which is not in the archive.")
+        needed = size + sizes[companion]
+        if needed > limits.bytes:
+            raise LimitExceeded(
+                "too_large", f"The volume unpacks to {needed} bytes; at most {limits.bytes} are allowed."
+            )
+        header = folder / "header"
+        header.write_bytes(archive.read(name))
+        with archive.open(companion) as source, (folder / "data").open("wb") as target:
+            shutil.copyfileobj(source, target)
+        return _open_pair(header, folder / "data", stack)
+    raise corrupt("The archive holds no header with its data.")
 
 
 def _open_folder(folder: Path, series: str | None, limits: ReadLimits, stack: contextlib.ExitStack) -> VolumeSource:
@@ -183,7 +207,7 @@ def _open_folder(folder: Path, series: str | None, limits: ReadLimits, stack: co
         others = [str(path.relative_to(folder)) for path in files if path not in set(slices)]
         return DicomSource(FileList.of_paths(slices, folder), series=series, limits=limits, left_out=others)
     # A data file may look like a volume of its own: packed with gzip, it does.
-    owned = {_data_of(path) for path in volumes if not heads[path].startswith(b"\x1f\x8b")}
+    owned = {_data_of(path) for path in volumes if not heads[path].startswith((b"\x1f\x8b", b"PK"))}
     volumes = [path for path in volumes if path not in owned]
     if len(volumes) == 1:
         return _open_file(volumes[0], series, limits, stack)
