@@ -104,7 +104,9 @@ class EventFeed:
 
     async def stream(self, topic_id: UUID, after: int) -> AsyncGenerator[bytes, None]:
         """Yield what to send to one client, from the event after number `after` until the last one."""
-        yield b"retry: 2000\n\n"
+        yield b": open\n\n"
+        # In the block of the first event, since some clients take a block of its own for an event without data.
+        prefix = b"retry: 2000\n"
         topic = self._topics.get(topic_id)
         if topic is None:
             topic = self._topics[topic_id] = _Topic(floor=after, cursor=after)
@@ -125,7 +127,8 @@ class EventFeed:
                     events = [event for event in topic.recent if event.seq > after]
                 if events:
                     after = max(after, events[-1].seq)
-                    yield b"".join(event.data for event in events)
+                    yield prefix + b"".join(event.data for event in events)
+                    prefix = b""
                     if events[-1].last:
                         return
                     continue
