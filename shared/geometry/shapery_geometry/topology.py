@@ -70,8 +70,9 @@ class Topology:
 
     @cached_property
     def boundary_edges(self) -> IntArray:
-        """(b, 2) the edges that one face alone has, directed as in that face."""
-        return np.asarray(self.half_edges[self.edge_face_counts[self._unique[1]] == 1])
+        """(b, 2) the edges that one face alone has, directed as in that face; without loops."""
+        half = self.half_edges
+        return np.asarray(half[(self.edge_face_counts[self._unique[1]] == 1) & (half[:, 0] != half[:, 1])])
 
     @cached_property
     def boundary_loops(self) -> list[IntArray]:
@@ -103,9 +104,11 @@ class Topology:
     def closed(self) -> bool:
         """Whether the surface has faces but no border: every edge lies on an even number of face sides.
 
-        This is what it takes to part inside from outside; two boxes that share an edge are closed, not manifold.
+        This is what it takes to part inside from outside; two boxes that share an edge are closed, not manifold. The
+        loop of a face that names a vertex twice is no border.
         """
-        return len(self.faces) > 0 and not np.any(self.edge_face_counts % 2)
+        odd = (self.edge_face_counts % 2 == 1) & (self.edges[:, 0] != self.edges[:, 1])
+        return len(self.faces) > 0 and not odd.any()
 
     @cached_property
     def oriented(self) -> bool:

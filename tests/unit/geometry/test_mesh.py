@@ -180,6 +180,16 @@ def test_a_face_that_names_a_vertex_twice_is_degenerate() -> None:
     assert not mesh.manifold
     assert mesh.face_normals[1].tolist() == [0, 0, 0]
     assert np.isfinite(mesh.vertex_normals).all()
+    # the loop from vertex 0 to itself is no border, the sides of the other face are
+    assert mesh.boundary_edges.tolist() == [[1, 2], [2, 0]]
+
+
+def test_a_degenerate_face_on_a_closed_surface_leaves_it_closed() -> None:
+    sphere = icosphere(subdivisions=1)
+    a, b, _ = sphere.faces[0]
+    mesh = TriangleMesh(sphere.vertices, [*sphere.faces.tolist(), [a, a, b]])
+    assert mesh.closed
+    assert not mesh.manifold
 
 
 def test_nothing_at_all() -> None:

@@ -62,7 +62,7 @@ def test_every_fault_is_counted() -> None:
     top = sphere.vertices[0]
     points = np.concatenate((sphere.vertices, [top, [9, 9, 9], [9, 9, 9], [0, 0, 0], [0.1, 0, 0], [0.2, 0, 0]]))
     n = len(sphere.vertices)
-    extra = [[0, 0, 1], [n + 3, n + 4, n + 5], [*sphere.faces[3][::-1]], [*np.roll(sphere.faces[4], 1)]]
+    extra = [[0, 0, 1], [n + 3, n + 4, n + 5], [*sphere.faces[3][::-1]], [*np.roll(sphere.faces[40], 1)]]
     mesh = TriangleMesh(points, np.concatenate((sphere.faces, extra)))
     report = mesh_report(mesh)
     assert report.duplicate_vertices == 2
@@ -71,7 +71,7 @@ def test_every_fault_is_counted() -> None:
     assert report.flat_faces == 1
     assert report.duplicate_faces == 2
     assert report.boundary_edges == 3
-    assert report.nonmanifold_edges >= 6
+    assert report.nonmanifold_edges == 6
     assert not report.sound
     assert report.genus is None
 
