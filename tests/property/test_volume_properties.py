@@ -218,7 +218,7 @@ def test_recognition_of_any_bytes_tells_or_refuses(data: bytes) -> None:
         sniff(io.BytesIO(data), len(data))
 
 
-@settings(FUZZ, max_examples=500)
+@settings(FUZZ, max_examples=200)
 @given(mutated(FILES))
 def test_recognition_of_damaged_files_tells_or_refuses(data: bytes) -> None:
     with contextlib.suppress(UserError):
@@ -237,7 +237,7 @@ def test_archives_give_their_entries_or_are_refused(data: bytes) -> None:
             assert len(archive.read(entry.name)) == entry.size
 
 
-@settings(FUZZ, max_examples=400)
+@settings(FUZZ, max_examples=200)
 @given(mutated(VOLUMES))
 def test_readers_of_damaged_files_give_a_volume_or_refuse(data: bytes) -> None:
     limits = ReadLimits(voxels=1 << 20, bytes=1 << 24)

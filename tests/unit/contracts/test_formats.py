@@ -18,6 +18,7 @@ import pytest
 
 from shapery_contracts.errors import InvalidInput, UserError
 from shapery_contracts.formats import AssetKind, FileFormat, sniff
+from shapery_contracts.formats.table import KNOWN_FORMATS
 
 
 def told(data: bytes) -> FileFormat:
@@ -164,6 +165,11 @@ def test_every_format_is_told(data: bytes, kind: str, name: str, extension: str,
     found = told(data)
     assert (found.kind, found.format, found.extension) == (AssetKind(kind), name, extension)
     assert {key: found.details[key] for key in details} == details
+    # The table of formats that documentation and the API schema list says the same.
+    listed = next(entry for entry in KNOWN_FORMATS if entry.format == name)
+    assert listed.kind == found.kind
+    assert extension in listed.extensions
+    assert found.media_type in listed.media_types
 
 
 @pytest.mark.parametrize(
@@ -205,7 +211,7 @@ def test_every_format_is_told(data: bytes, kind: str, name: str, extension: str,
         (MHA[:60], "corrupt_file", "breaks off"),
         (MHA.replace(b"ElementType", b"ElementSpacing = 1 x 2\nElementType"), "corrupt_file", "ElementSpacing"),
         (dicom(*IMAGE)[:-40], "corrupt_file", "cut off"),
-        (dicom(*IMAGE)[:150], "corrupt_file", "cut off"),
+        (dicom(*IMAGE)[:150], "corrupt_file", "does not end"),
         (dicom(*IMAGE, syntax=b"not a uid "), "corrupt_file", "transfer syntax"),
         (PLY.replace(b"end_header", b"no end"), "corrupt_file", "does not end"),
         (PLY.replace(b"element vertex 3", b"element vertex 1000000"), "corrupt_file", "1000001 bytes"),
@@ -300,6 +306,13 @@ def test_sequences_of_dicom_elements_are_walked() -> None:
         data = dicom(*IMAGE)
         at = data.index(struct.pack("<2H", 0x10, 0x10))
         assert told(data[:at] + sequence + data[at:]).details["shape"] == [7, 5, 1]
+
+
+def test_a_dicom_file_may_declare_another_form_than_it_is_written_in() -> None:
+    assert told(dicom(*IMAGE, syntax=b"1.2.840.10008.1.2\0")).details["shape"] == [7, 5, 1]
+    implicit = b"".join(struct.pack("<2HL", g, n, len(value)) + value for g, n, _, value in IMAGE)
+    for syntax in (b"1.2.840.10008.1.2.1\0", b"1.2.840.10008.1.2\0"):
+        assert told(dicom(syntax=syntax) + implicit).details["shape"] == [7, 5, 1]
 
 
 def test_nothing_of_the_patient_is_told() -> None:

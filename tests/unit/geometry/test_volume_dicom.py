@@ -345,6 +345,13 @@ class TestTransferSyntaxes:
         transcoded(tmp_path, syntax, phantom())
         same_as_phantom(read_volume(tmp_path))
 
+    def test_explicit_files_that_declare_themselves_implicit(self, tmp_path: Path) -> None:
+        for path in write_series(tmp_path, phantom()):
+            raw = path.read_bytes()
+            assert raw.count(b"1.2.840.10008.1.2.1\0") == 1
+            path.write_bytes(raw.replace(b"1.2.840.10008.1.2.1\0", b"1.2.840.10008.1.2\0\0\0"))
+        same_as_phantom(read_volume(tmp_path))
+
     def test_run_lengths(self, tmp_path: Path) -> None:
         for k in range(DEPTH):
             dataset = dicom_slice(phantom(), k, series="1.2.3")

@@ -30,8 +30,12 @@ _PIXELS: Final = (0x7FE00008, 0x7FE00009, 0x7FE00010)
 _WANTED: Final = frozenset({_TRANSFER_SYNTAX, _SOP_CLASS, _MODALITY, _SERIES, _FRAMES, _ROWS, _COLUMNS, _PIXEL_SPACING})
 _ITEM, _ITEM_END, _SEQUENCE_END = 0xFFFEE000, 0xFFFEE00D, 0xFFFEE0DD
 _LONG_VR: Final = frozenset({b"OB", b"OD", b"OF", b"OL", b"OV", b"OW", b"SQ", b"SV", b"UC", b"UN", b"UR", b"UT", b"UV"})
+_VR: Final = _LONG_VR | frozenset(
+    re.findall(rb"\w\w", b"AE AS AT CS DA DS DT FD FL IS LO LT PN SH SL SS ST TM UI UL US")
+)
 _UNDEFINED: Final = 0xFFFFFFFF
 _IMPLICIT_LE: Final = "1.2.840.10008.1.2"
+_EXPLICIT_LE: Final = "1.2.840.10008.1.2.1"
 _DEFLATED: Final = "1.2.840.10008.1.2.1.99"
 _EXPLICIT_BE: Final = "1.2.840.10008.1.2.2"
 
@@ -152,7 +156,7 @@ def _elements(head: bytes, size: int) -> tuple[dict[int, bytes], _End]:
         found = window.element()
         if found is None:
             if in_meta:
-                raise corrupt(f"The DICOM file is cut off after {len(head)} bytes.")
+                raise corrupt("The meta information of the DICOM file does not end.")
             if size > len(head):
                 return values, _End.WINDOW
             # An element that is cut leaves the position before or behind the end.
@@ -165,7 +169,9 @@ def _elements(head: bytes, size: int) -> tuple[dict[int, bytes], _End]:
             if syntax == _DEFLATED:
                 return values, _End.PACKED
             in_meta = False
-            window.implicit = syntax == _IMPLICIT_LE
+            # Some programs declare one of the two forms and write the other; the first element shows which.
+            known = head[start + 4 : start + 6] in _VR
+            window.implicit = not known if syntax in (_IMPLICIT_LE, _EXPLICIT_LE) else False
             window.order = ">" if syntax == _EXPLICIT_BE else "<"
             window.position = start
             continue
