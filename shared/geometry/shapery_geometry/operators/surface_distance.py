@@ -96,10 +96,11 @@ def surface_distances(
     """
     if samples > 0 and rng is None:
         raise ValueError("points are drawn with a generator: give rng")
+    for surface in (first, second):
+        if not surface.area > 0:
+            raise InvalidInput("invalid_mesh", f"A surface of {len(surface.faces)} faces has no area to compare.")
     found = []
     for source, target in ((first, second), (second, first)):
-        if not source.area > 0:
-            raise InvalidInput("invalid_mesh", f"A surface of {len(source.faces)} faces has no area to compare.")
         if samples > 0 and rng is not None:
             points = sample_surface(source, samples, rng).points
             weights = np.full(samples, source.area / samples)
