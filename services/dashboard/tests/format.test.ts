@@ -1,6 +1,17 @@
 import { describe, expect, it } from "vitest";
 import { describeAsset } from "@/format/asset";
-import { anatomical, area, bytes, duration, integer, percent, relative, significant, volume } from "@/format/format";
+import {
+  ago,
+  anatomical,
+  area,
+  bytes,
+  duration,
+  integer,
+  percent,
+  relative,
+  significant,
+  volume,
+} from "@/format/format";
 
 /** Unbreakable spaces, as a reader sees them. */
 const plain = (text: string) => text.replaceAll(/[\u00A0\u202F]/g, " ");
@@ -67,6 +78,10 @@ describe("times", () => {
     ["2026-01-10T09:00:00Z", "3 hours ago"],
     ["2026-02-08T12:00:00Z", "in 29 days"],
   ])("%s is %s", (at, text) => expect(relative(Date.parse(at), now)).toBe(text));
+});
+
+it("never puts what was into the future", () => {
+  expect(ago("2026-01-10T12:00:03Z", Date.parse("2026-01-10T12:00:00Z"))).toBe("just now");
 });
 
 describe("places and files", () => {

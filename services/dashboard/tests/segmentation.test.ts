@@ -1,5 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { problemFrom } from "@/api/problem";
+import { changedParams } from "@/features/jobs/changedParams";
 import { drawableName } from "@/features/segmentation/drawable";
 import { parseSeeds } from "@/features/segmentation/params";
 import { guessRoles } from "@/features/segmentation/roles";
@@ -69,5 +70,21 @@ describe("problemFrom", () => {
   });
   it.each(["<html>Bad Gateway</html>", "", "[]", '{"detail": 3}'])("makes the best of %j", (body) => {
     expect(problemFrom(503, body)).toMatchObject({ status: 503, code: "http_503" });
+  });
+});
+
+describe("changedParams", () => {
+  const schema = {
+    properties: { seeds: { default: [] }, edge: { default: null }, smoothing: { default: 0.12 }, must: {} },
+  };
+  it("leaves out what is as it would have been", () => {
+    expect(changedParams({ seeds: [], edge: null, smoothing: 0.2, must: 1, unknown: 2 }, schema)).toEqual([
+      ["smoothing", 0.2],
+      ["must", 1],
+      ["unknown", 2],
+    ]);
+  });
+  it("shows everything where the kind is not known", () => {
+    expect(changedParams({ a: 1 }, undefined)).toEqual([["a", 1]]);
   });
 });

@@ -74,6 +74,11 @@ export function relative(at: number, now: number): string {
   return seconds > 0 ? "in less than a minute" : "just now";
 }
 
+/** How long ago something was; a server whose clock is a little ahead does not put it into the future. */
+export function ago(at: string, now: number): string {
+  return relative(Math.min(Date.parse(at), now), now);
+}
+
 /** A moment in the reader's own time zone: "22 Nov 2026, 19:30". */
 export function moment(at: string): string {
   return new Date(at).toLocaleString("en-GB", { dateStyle: "medium", timeStyle: "short" });

@@ -1,7 +1,10 @@
 import { Anchor, Paper, Text, Title } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { kindsQuery } from "@/api/queries";
 import type { Asset, Job } from "@/api/types";
 import { describeAsset } from "@/format/asset";
 import { moment } from "@/format/format";
+import { changedParams } from "./changedParams";
 import classes from "./jobs.module.css";
 import { SaveLink } from "./SaveLink";
 
@@ -9,7 +12,9 @@ const ROLES: Record<string, string> = { post: "After contrast", pre: "Before con
 
 /** What a job was started with, and its numbers for those who look behind it. */
 export function JobFacts({ job, assets }: { job: Job; assets: ReadonlyMap<string, Asset> }) {
-  const params = Object.entries(job.params);
+  const kinds = useQuery(kindsQuery);
+  const schema = kinds.data?.find(({ name }) => name === job.kind)?.params_schema;
+  const params = changedParams(job.params, schema);
   return (
     <Paper p="md" component="section" aria-label="About this job">
       <Title order={3} mb="xs">

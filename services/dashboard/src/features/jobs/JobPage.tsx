@@ -12,7 +12,7 @@ import { Empty, Failure, Waiting } from "@/app/Notice";
 import { Page } from "@/app/Page";
 import { useNow } from "@/app/useNow";
 import { isSegmentationResult } from "@/features/segmentation/params";
-import { duration, moment, percent, relative } from "@/format/format";
+import { ago, duration, moment, percent, relative } from "@/format/format";
 import { JobActions } from "./JobActions";
 import { JobFacts } from "./JobFacts";
 import classes from "./jobs.module.css";
@@ -110,11 +110,16 @@ function Lead({ job }: { job: Job }) {
   const ended = job.finished_at ? Date.parse(job.finished_at) : now;
   const parts = [
     <span key="created" title={moment(job.created_at)}>
-      created {relative(Date.parse(job.created_at), now)}
+      created {ago(job.created_at, now)}
     </span>,
   ];
   if (job.started_at) {
-    parts.push(<span key="took">took {duration((ended - Date.parse(job.started_at)) / 1000)}</span>);
+    const word = job.finished_at ? "took" : "running for";
+    parts.push(
+      <span key="took">
+        {word} {duration((ended - Date.parse(job.started_at)) / 1000)}
+      </span>,
+    );
   }
   if (job.attempt > 1) parts.push(<span key="attempt">attempt {job.attempt}</span>);
   if (job.expires_at && !job.expired) {

@@ -10,7 +10,7 @@ import { LinkAnchor, LinkButton } from "@/app/links";
 import { Empty, Failure, Waiting } from "@/app/Notice";
 import { Page } from "@/app/Page";
 import { useNow } from "@/app/useNow";
-import { duration, moment, percent, relative } from "@/format/format";
+import { ago, duration, moment, percent } from "@/format/format";
 import { JobActions } from "./JobActions";
 import classes from "./jobs.module.css";
 import { jobName, mainInput, outcome } from "./naming";
@@ -203,7 +203,7 @@ function JobRow({ job, name, now }: { job: Job; name: string; now: number }) {
       </Table.Td>
       <Table.Td visibleFrom="sm">
         <Text size="sm" c="dimmed" title={moment(job.created_at)}>
-          {relative(Date.parse(job.created_at), now)}
+          {ago(job.created_at, now)}
         </Text>
       </Table.Td>
       <Table.Td ta="right">

@@ -17,6 +17,8 @@ export function UploadPage() {
   const items = useStore(uploads.items);
   const info = useQuery(infoQuery);
 
+  const recent = items.flatMap((item) => (item.assetId ? [item.assetId] : []));
+
   const take = async (picked: Picked[]) => {
     try {
       const { parcels, leftOut } = await gather(picked);
@@ -54,9 +56,9 @@ export function UploadPage() {
               </Text>
             </section>
           )}
-          <VolumeShelf />
+          <VolumeShelf except={recent} />
         </Stack>
-        <SegmentForm recent={items.flatMap((item) => (item.assetId ? [item.assetId] : []))} />
+        <SegmentForm recent={recent} />
       </div>
     </Page>
   );

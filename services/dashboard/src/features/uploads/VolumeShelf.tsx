@@ -9,18 +9,18 @@ import { Failure } from "@/app/Notice";
 import { sayFailure } from "@/app/say";
 import { useNow } from "@/app/useNow";
 import { describeAsset } from "@/format/asset";
-import { bytes, moment, relative } from "@/format/format";
+import { ago, bytes, moment } from "@/format/format";
 import classes from "./uploads.module.css";
 
 const AT_FIRST = 6;
 
-/** The volumes that lie on the server already, newest first. */
-export function VolumeShelf() {
+/** The volumes that lie on the server already, newest first; `except` are shown elsewhere on the page. */
+export function VolumeShelf({ except }: { except: readonly string[] }) {
   const volumes = useQuery(volumesQuery);
   const [all, setAll] = useState(false);
   const now = useNow(30_000);
   if (volumes.isError && !volumes.data) return <Failure error={volumes.error} onRetry={() => void volumes.refetch()} />;
-  const items = volumes.data?.items ?? [];
+  const items = (volumes.data?.items ?? []).filter(({ id }) => !except.includes(id));
   if (items.length === 0) return null;
   return (
     <section aria-labelledby="shelf">
@@ -58,7 +58,7 @@ function Row({ volume, now }: { volume: Asset; now: number }) {
             {volume.filename}
           </span>
           <Text size="xs" c="dimmed" style={{ whiteSpace: "nowrap" }} title={moment(volume.created_at)}>
-            {bytes(volume.size)} · {relative(Date.parse(volume.created_at), now)}
+            {bytes(volume.size)} · {ago(volume.created_at, now)}
           </Text>
         </Group>
         <Text size="sm" c="dimmed">

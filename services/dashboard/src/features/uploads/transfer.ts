@@ -25,6 +25,8 @@ export function transfer({ content, name, url, onUrl, onProgress, signal }: Tran
       metadata: { filename: name },
       headers: authHeaders(),
       retryDelays: null,
+      // What a refusal in the middle can cost at the most: a browser reads the answer after it has sent everything.
+      chunkSize: 32 << 20,
       storeFingerprintForResuming: false,
       onUploadUrlAvailable: () => {
         if (upload.url) onUrl(upload.url);

@@ -7,6 +7,7 @@ import {
   Color,
   DirectionalLight,
   DoubleSide,
+  Float32BufferAttribute,
   Group,
   HemisphereLight,
   LineBasicMaterial,
@@ -88,6 +89,9 @@ export class SurfaceCanvas {
 
   add({ id, content, color }: SurfaceSource): void {
     const geometry = new PLYLoader().parse(content);
+    const position = geometry.getAttribute("position");
+    // Surfaces are written in double precision, which graphics cards don't take.
+    geometry.setAttribute("position", new Float32BufferAttribute(new Float32Array(position.array), 3));
     geometry.computeVertexNormals();
     const material = new MeshStandardMaterial({ color, roughness: 0.5, metalness: 0.02, side: DoubleSide });
     const mesh = new Mesh(geometry, material);
@@ -105,7 +109,7 @@ export class SurfaceCanvas {
     const direction =
       id === null ? new Vector3(0.45, 1, 0.4) : new Vector3().subVectors(this.#camera.position, this.#controls.target);
     const narrow = Math.min(1, this.#camera.aspect);
-    const distance = (radius * 1.25) / Math.sin((this.#camera.fov * Math.PI) / 360) / narrow;
+    const distance = (radius * 1.1) / Math.sin((this.#camera.fov * Math.PI) / 360) / narrow;
     this.#controls.target.copy(center);
     this.#camera.position.copy(center).addScaledVector(direction.normalize(), distance);
     this.#camera.near = distance / 100;
