@@ -206,12 +206,12 @@ def open_sequence(path: Path, *, limits: SequenceLimits | None = None) -> Sequen
     return _open_npz(path, limits) if found.format == "npz" else _open_zip(path, limits)
 
 
-def natural_key(name: str) -> tuple[tuple[int, int | str], ...]:
+def natural_key(name: str) -> tuple[tuple[tuple[int, int | str], ...], str]:
     """Return a key that sorts numbers within names by value: frame2 before frame10."""
     parts = re.split(r"([0-9]+)", name)
-    key: list[tuple[int, int | str]] = [(0, int(p)) if p.isdecimal() else (1, p.casefold()) for p in parts if p]
+    key: list[tuple[int, int | str]] = [(0, int(p)) if p[0] in "0123456789" else (1, p.casefold()) for p in parts if p]
     # equal numbers written differently, and letters of either case, still need one order
-    return (*key, (2, name))
+    return tuple(key), name
 
 
 def write_sequence_npz(
