@@ -25,7 +25,6 @@ def main() -> int:
         sys.stderr.write(f"{error}\n")
         return 2
     # Loaded now that the settings are known to be right: what is wrong with them is said at once.
-    from shapery_gateway.server import run
 
     run(settings, unix_socket=options.unix, migrate=options.migrate)
     return 0

@@ -6,6 +6,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
 
+from anyio.to_thread import run_sync
 from fastapi import FastAPI
 from fastapi.routing import APIRoute
 from starlette.middleware import Middleware
@@ -66,6 +67,7 @@ def create_app(settings: Settings) -> FastAPI:
         backend = Backend(settings)
         app.state.backend = backend
         try:
+            await run_sync(backend.admit_first_key)
             yield
         finally:
             await backend.end_streams()

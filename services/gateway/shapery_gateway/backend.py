@@ -16,7 +16,7 @@ from shapery_gateway.jobs.events import read_job_events
 from shapery_gateway.metrics import PlatformCollector, RequestMetrics
 from shapery_gateway.outbox import Outbox
 from shapery_gateway.rates import RateLimiter
-from shapery_platform import watching, workers
+from shapery_platform import keys, watching, workers
 from shapery_platform.db import Database
 from shapery_platform.jobs.recovery import QueuedJob
 from shapery_platform.settings import Settings
@@ -68,6 +68,12 @@ class Backend:
         )
         self.closing = False
         self._celery: Celery | None = None
+
+    def admit_first_key(self) -> None:
+        """Make the administrator's key of the settings known, if they have one."""
+        if self.settings.bootstrap_admin_key is not None:
+            with self.database.session() as session:
+                keys.ensure_bootstrap(session, self.settings)
 
     async def run_storage(self, function: Callable[[*Ts], T], *args: *Ts) -> T:
         """Run what writes to storage in one of the threads set apart for it."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import socket
 import sys
 from pathlib import Path
@@ -16,6 +17,7 @@ from shapery_contracts.errors import ERROR_CODES
 from shapery_gateway.app import create_app
 from shapery_gateway.backend import Backend
 from shapery_gateway.logs import configure
+from shapery_gateway.problems import MEDIA_TYPE, TYPE_PREFIX
 from shapery_platform.db import Database
 from shapery_platform.settings import Settings
 
@@ -24,19 +26,43 @@ HEADER_SECONDS = 20.0
 """How long a client may take to send the head of a request."""
 READY = "shapery-gateway ready at"
 """Begins the line on standard output that says that the server is up, and where."""
+LINGER_SECONDS = 2.0
+"""How long a client that was refused may go on sending before the connection is cut."""
 GRACE_SECONDS = 10
 """How long requests may take to end once the server was asked to stop; uploads keep what arrived."""
+
+
+class _LingeringTransport:
+    """The transport that a request's answer is written to, whose `close` lets the client read the answer first."""
+
+    def __init__(self, protocol: BoundedProtocol) -> None:
+        self._protocol = protocol
+        self._transport = protocol.transport
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._transport, name)
+
+    def close(self) -> None:
+        """Close at once where the whole request was read, else after the client had time to stop sending."""
+        if self._protocol.cycle.more_body:
+            self._protocol.linger()
+        else:
+            self._transport.close()
 
 
 class BoundedProtocol(HttpToolsProtocol):
     """HTTP/1.1 with a bound on the size of a request's head and on the time it may take.
 
-    httptools itself gathers headers without end, and waits for them for ever.
+    httptools itself gathers headers without end, and waits for them for ever. And a socket that is closed while the
+    client is still sending resets the connection, which takes the answer with it that said why: such a connection
+    is closed a moment later.
     """
 
     _head_bytes = 0
     _in_head = True
+    _discarding = False
     _head_timer: asyncio.TimerHandle | None = None
+    _linger_timer: asyncio.TimerHandle | None = None
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Begin to wait for the head of the first request."""
@@ -45,11 +71,15 @@ class BoundedProtocol(HttpToolsProtocol):
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Stop waiting."""
-        self._stop_timer()
+        self._stop_head_timer()
+        if self._linger_timer is not None:
+            self._linger_timer.cancel()
         super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:
         """Take in data, counting what belongs to a head."""
+        if self._discarding:
+            return
         if self._in_head:
             self._head_bytes += len(data)
             if self._head_timer is None:
@@ -62,15 +92,26 @@ class BoundedProtocol(HttpToolsProtocol):
         """Hand the request on."""
         self._in_head = False
         self._head_bytes = 0
-        self._stop_timer()
+        self._stop_head_timer()
         super().on_headers_complete()
+        self.cycle.transport = _LingeringTransport(self)  # type: ignore[assignment]
 
     def on_message_complete(self) -> None:
         """Expect the next head on this connection."""
         super().on_message_complete()
         self._in_head = True
 
-    def _stop_timer(self) -> None:
+    def linger(self) -> None:
+        """Say that nothing more will be sent, read over what still comes for a moment, then close."""
+        if self._discarding or self.transport.is_closing():
+            return
+        self._discarding = True
+        self.flow.resume_reading()
+        if self.transport.can_write_eof():
+            self.transport.write_eof()
+        self._linger_timer = self.loop.call_later(LINGER_SECONDS, self.transport.close)
+
+    def _stop_head_timer(self) -> None:
         if self._head_timer is not None:
             self._head_timer.cancel()
             self._head_timer = None
@@ -86,16 +127,20 @@ class BoundedProtocol(HttpToolsProtocol):
 
     def _refuse(self, code: str, detail: str) -> None:
         entry = ERROR_CODES[code]
-        body = (
-            f'{{"type":"urn:shapery:problem:{code}","title":"{entry.title}","status":{entry.status},'
-            f'"detail":"{detail}","code":"{code}"}}'
-        ).encode()
-        self.transport.write(
-            f"HTTP/1.1 {entry.status} Refused\r\nContent-Type: application/problem+json\r\n"
-            f"Content-Length: {len(body)}\r\nConnection: close\r\n\r\n".encode()
-            + body
+        problem = {
+            "type": TYPE_PREFIX + code,
+            "title": entry.title,
+            "status": entry.status,
+            "detail": detail,
+            "code": code,
+        }
+        body = json.dumps(problem).encode()
+        head = (
+            f"HTTP/1.1 {entry.status} Refused\r\nContent-Type: {MEDIA_TYPE}\r\n"
+            f"Content-Length: {len(body)}\r\nConnection: close\r\n\r\n"
         )
-        self.transport.close()
+        self.transport.write(head.encode() + body)
+        self.linger()
 
 
 class Server(uvicorn.Server):
