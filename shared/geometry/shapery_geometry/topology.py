@@ -78,7 +78,8 @@ class Topology:
     def boundary_loops(self) -> list[IntArray]:
         """The closed paths of `boundary_edges`, each an array of vertices (the first is not repeated).
 
-        Where more than two boundary edges meet in a vertex, the paths cross there in an arbitrary but fixed way.
+        Where more than two boundary edges meet in a vertex, the paths cross there in an arbitrary but fixed way; where
+        an odd number does, which takes a non-manifold mesh, a path ends there open.
         """
         remaining: dict[int, list[int]] = {}
         for a, b in self.boundary_edges.tolist():
