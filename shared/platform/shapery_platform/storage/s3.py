@@ -17,7 +17,7 @@ from typing_extensions import override
 
 from shapery_contracts.errors import Unavailable
 from shapery_platform.db.types import new_id
-from shapery_platform.storage.content import CHUNK, StoredBlob, StoredObjectMissing, disk_errors, object_key
+from shapery_platform.storage.content import StoredBlob, StoredObjectMissing, disk_errors, object_key
 from shapery_platform.storage.store import TEMPORARY, BlobWriter, ObjectEntry, ObjectStore, RangeReader, file_chunks
 
 PART = 8 << 20
@@ -126,11 +126,15 @@ class S3Store(ObjectStore):
             if len(first) > PART:
                 break
         else:
-            with _s3_errors():
-                obstore.put(self._store, key, bytes(first), use_multipart=False)
+            self.put_object(key, first)
             return written
         self._put_multipart(key, _chain(bytes(first), pieces))
         return written
+
+    def put_object(self, key: str, data: bytes | bytearray) -> None:
+        """Store `data` in one request, replacing what is there."""
+        with _s3_errors():
+            obstore.put(self._store, key, data, use_multipart=False)
 
     @override
     def create(self, key: str, data: bytes) -> bool:
@@ -166,8 +170,8 @@ class S3Store(ObjectStore):
         size = self.size(key)
         if size is None:
             raise StoredObjectMissing(f"There is no object {key!r}.")
-        reader = RangeReader(lambda start, stop: self._range(key, start, stop), size)
-        return cast("BinaryIO", io.BufferedReader(reader, CHUNK))
+        reader = RangeReader(lambda start, stop: self._range(key, start, stop), size, PART)
+        return cast("BinaryIO", io.BufferedReader(reader))
 
     @override
     def iter_range(self, key: str, start: int = 0, stop: int | None = None) -> Iterator[bytes]:

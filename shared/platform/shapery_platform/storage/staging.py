@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 _REMEMBERED = 1024
 """Uploads whose hash so far is kept in memory; of the others the bytes are read back at the end."""
-_S3_PART = 16 << 20
+_S3_PART = 8 << 20
 """Bytes of an upload that are kept in memory before they become a part in S3."""
 _ROOM_EVERY = 64 << 20
 
@@ -369,10 +369,10 @@ class _S3Patch(Patch):
             return
         # the name is new each time: a request that was given up and still writes touches nothing of its successor
         key = f"{self._prefix}{self._offset:020d}-{new_id()}"
-        self._store.put_stream(key, [bytes(self._buffer)])
+        self._store.put_object(key, self._buffer)
         self._parts.append(StagedPart(self._offset, len(self._buffer), key))
         self._offset += len(self._buffer)
-        self._buffer.clear()
+        self._buffer = bytearray()
 
     @override
     def settle(self) -> tuple[int, list[StagedPart]]:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import os
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -197,12 +198,29 @@ def file_chunks(stream: BinaryIO, size: int = CHUNK) -> Iterator[bytes]:
 
 
 class RangeReader(io.RawIOBase):
-    """A seekable file over something that reads ranges."""
+    """A seekable file over something that reads ranges.
 
-    def __init__(self, read_range: Any, size: int) -> None:
+    Reads ahead: little where reading jumps about, as it does in headers, and more and more while it goes on in order.
+
+    Parameters
+    ----------
+    read_range
+        Returns the bytes from a first up to a second position.
+    size
+        Number of bytes of the whole.
+    most
+        Bytes read at a time at the most, which is also what is kept in memory.
+    """
+
+    def __init__(self, read_range: Callable[[int, int], bytes], size: int, most: int) -> None:
         self._read_range = read_range
         self._size = size
         self._position = 0
+        self._most = most
+        self._ahead = least = 1 << 16
+        self._least = least
+        self._window = b""
+        self._begin = 0
 
     def readable(self) -> bool:
         """Yes."""
@@ -220,16 +238,24 @@ class RangeReader(io.RawIOBase):
         """Move; before the beginning is an error, beyond the end is not."""
         base = {os.SEEK_SET: 0, os.SEEK_CUR: self._position, os.SEEK_END: self._size}[whence]
         if base + offset < 0:
-            raise OSError(22, "a position before the beginning")
+            raise OSError(errno.EINVAL, "a position before the beginning")
         self._position = base + offset
         return self._position
 
     def readinto(self, buffer: Any) -> int:
         """Read up to the length of `buffer`."""
-        length = min(len(buffer), max(0, self._size - self._position))
-        if length == 0:
+        wanted = min(len(buffer), max(0, self._size - self._position))
+        if wanted == 0:
             return 0
-        data = self._read_range(self._position, self._position + length)
-        buffer[: len(data)] = data
-        self._position += len(data)
-        return len(data)
+        end = self._begin + len(self._window)
+        if not self._begin <= self._position < end:
+            self._ahead = min(2 * self._ahead, self._most) if self._position == end else self._least
+            stop = min(self._position + max(wanted, self._ahead), self._position + self._most, self._size)
+            self._window = b""  # freed before the next one comes
+            self._window = self._read_range(self._position, stop)
+            self._begin = self._position
+        start = self._position - self._begin
+        piece = memoryview(self._window)[start : start + wanted]
+        buffer[: len(piece)] = piece
+        self._position += len(piece)
+        return len(piece)
