@@ -1,6 +1,7 @@
 """A plugin with job kinds that do on request what real ones only do by accident.
 
-Named in ``SHAPERY_PLUGINS`` it registers ``probe`` and two kinds with tight limits, all run by the segmentation worker.
+Named in ``SHAPERY_PLUGINS`` it registers ``probe`` and two kinds with tight limits, with a service of their own, whose
+worker starts quickly because it loads no numerics.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from shapery_contracts.handler import JobContext
 from shapery_contracts.kinds import InputSpec, JobKind, register_kind
 from shapery_worker.handlers import register_handler
 
+SERVICE = "probe"
 MODULE = "tests.support.probe"
 MIB = 1 << 20
 
@@ -209,7 +211,7 @@ def _register(name: str, *, time_limit: float, memory_limit: int) -> None:
     register_kind(
         JobKind(
             name=name,
-            service="segmentation",
+            service=SERVICE,
             summary="Does what a test asks for.",
             inputs=_INPUTS,
             params=ProbeParams,

@@ -24,13 +24,14 @@ from typing import Any
 from uuid import UUID
 
 import psutil
+import redis
 
 from shapery_contracts.api import JobCreate, JobEvent, JobView
 from shapery_contracts.formats import AssetKind, FileFormat
 from shapery_contracts.states import JobState
 from shapery_platform import assets, dispatch, jobs
 from shapery_platform.db import Database
-from shapery_platform.queue import make_celery
+from shapery_platform.queue import connect, make_celery, queue_lengths
 from shapery_platform.settings import Settings, load_settings
 from shapery_platform.storage import ObjectStore, object_key
 from shapery_worker.scratch import Ownership
@@ -83,8 +84,8 @@ class Stack:
         return process
 
     def start_worker(self, *, concurrency: int = 2, wait: bool = True, **environment: str) -> subprocess.Popen[bytes]:
-        """Start a worker of the segmentation service, and wait until it listens."""
-        worker = self.start("run", "--service", "segmentation", "--concurrency", str(concurrency), **environment)
+        """Start a worker of the probes' service, and wait until it listens."""
+        worker = self.start("run", "--service", probe.SERVICE, "--concurrency", str(concurrency), **environment)
         if wait:
             self.until(lambda: self.celery_main(worker) is not None and self.is_listed(worker), "the worker listens")
         return worker
@@ -111,7 +112,7 @@ class Stack:
     def running(self) -> dict[UUID, int]:
         """Return the processes of the handlers that run now, by job."""
         found: dict[UUID, int] = {}
-        for path in scratch_root(self.settings, "segmentation").glob("[!.]*/owner.json"):
+        for path in scratch_root(self.settings, probe.SERVICE).glob("[!.]*/owner.json"):
             try:
                 owner = Ownership.model_validate_json(path.read_bytes())
             except (FileNotFoundError, ValueError):
@@ -186,12 +187,21 @@ class Stack:
         return self.running()[job_id]
 
     def until(self, condition: Callable[[], bool], what: str, seconds: float = 60.0) -> None:
-        """Wait for a condition; the error tells the state of all processes."""
+        """Wait for a condition; the error tells what queue and logs say."""
         deadline = time.monotonic() + seconds
         while not condition():
             if time.monotonic() > deadline:
-                raise TimeoutError(f"after {seconds:.0f} s not yet: {what}\n{self.logs()}")
+                raise TimeoutError(f"after {seconds:.0f} s not yet: {what}\n{self.queue_state()}\n{self.logs()}")
             time.sleep(0.02)
+
+    def queue_state(self) -> str:
+        """Return what the queue holds, and what workers hold of it."""
+        try:
+            with connect(self.settings) as client:
+                held = client.hkeys("unacked")
+            return f"queues: {queue_lengths(self.settings)}, unacknowledged: {held}"
+        except redis.RedisError as error:
+            return f"Redis does not answer: {error}"
 
     def logs(self, lines: int = 40) -> str:
         """Return the ends of all logs."""

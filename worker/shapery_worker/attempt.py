@@ -83,15 +83,46 @@ class Runtime:
 
 
 def run_job(runtime: Runtime, job_id: UUID) -> JobState | None:
-    """Carry out a job if it waits for that; returns the state it ends in, or None where it was not ours to end."""
+    """Carry out a job if it waits for that; returns the state it ends in, or None where it was not ours to end.
+
+    Where others run beside it in this worker, it first waits for its turn, and claims the job only then: were it lost
+    while it waits, it would count as one more attempt that broke off.
+    """
+    while runtime.alone_after_failure:
+        with runtime.database.session(readonly=True) as session:
+            tried = jobs.waiting_attempt(session, job_id)
+        if tried is None:
+            return _nothing_to_do(job_id)
+        with runtime.turns.take(alone=tried > 0, give_up=runtime.shutting_down) as turn:
+            if turn is None:
+                return None
+            job = _claim(runtime, job_id)
+            if job is None:
+                return _nothing_to_do(job_id)
+            if tried > 0 or job.attempt == 1:
+                return _carry_out(runtime, job, (turn,))
+            # Another worker has tried it in vain meanwhile, and now it wants another turn.
+            with runtime.database.session() as session:
+                jobs.release(session, job.job_id, job.lease)
+    job = _claim(runtime, job_id)
+    return _nothing_to_do(job_id) if job is None else _carry_out(runtime, job, ())
+
+
+def _nothing_to_do(job_id: UUID) -> None:
+    # It runs, has ended, or was cancelled: a message is only a hint, and may come twice or late.
+    logger.info("job %s: a message came, but the job does not wait", job_id)
+
+
+def _claim(runtime: Runtime, job_id: UUID) -> ClaimedJob | None:
     with runtime.database.session() as session:
-        job = jobs.claim(session, job_id, runtime.worker_id)
-    if job is None:
-        return None
+        return jobs.claim(session, job_id, runtime.worker_id)
+
+
+def _carry_out(runtime: Runtime, job: ClaimedJob, private: tuple[int, ...]) -> JobState | None:
     began = time.monotonic()
     label = f"job {job.job_id}"
     logger.info("%s: %s, attempt %d of %d", label, job.kind, job.attempt, job.max_attempts)
-    attempt = Attempt(runtime, job)
+    attempt = Attempt(runtime, job, private)
     try:
         state = attempt.run()
     except ShaperyError as error:
@@ -108,9 +139,10 @@ def run_job(runtime: Runtime, job_id: UUID) -> JobState | None:
 
 
 class Attempt:
-    """A claimed job in the hands of this process."""
+    """A claimed job in the hands of this process; `private` descriptors are not for the handler's process."""
 
-    def __init__(self, runtime: Runtime, job: ClaimedJob) -> None:
+    def __init__(self, runtime: Runtime, job: ClaimedJob, private: tuple[int, ...] = ()) -> None:
+        self._private = private
         self._runtime = runtime
         self._job = job
         self._kind = get_kind(job.kind)
@@ -142,12 +174,13 @@ class Attempt:
                 board,
                 label=f"job {job.job_id}",
                 niceness=runtime.worker_settings.niceness,
+                private=(*self._private, scratch.descriptor),
             )
             stack.callback(process.kill)
             scratch.tell_handler(process.pid)
             keeper = stack.enter_context(LeaseKeeper(runtime.database, runtime.settings, job.job_id, job.lease, board))
             try:
-                return self._carry_out(stack, scratch, process, board, keeper)
+                return self._carry_out(scratch, process, board, keeper)
             except Interrupted as interrupted:
                 process.kill()
                 if interrupted.why == "lost":
@@ -158,7 +191,7 @@ class Attempt:
                 return self._release()
 
     def _carry_out(
-        self, stack: ExitStack, scratch: ScratchFolder, process: HandlerProcess, board: Board, keeper: LeaseKeeper
+        self, scratch: ScratchFolder, process: HandlerProcess, board: Board, keeper: LeaseKeeper
     ) -> JobState | None:
         job, runtime = self._job, self._runtime
         shutdown_deadline: float | None = None
@@ -182,10 +215,6 @@ class Attempt:
             if why is not None:
                 raise Interrupted(why)
 
-        if runtime.alone_after_failure:
-            alone = job.attempt > 1
-            stack.enter_context(runtime.turns.take(alone=alone, give_up=lambda: why_stop() is not None))
-            go_on()
         try:
             inputs = stage_inputs(runtime.store, job.inputs, scratch.folders.inputs, go_on)
         except UserError as error:

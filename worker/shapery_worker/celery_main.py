@@ -22,6 +22,7 @@ from celery.exceptions import Reject, SecurityWarning
 
 from shapery_platform.queue import TASK_NAME, make_celery
 from shapery_platform.settings import load_plugins, load_settings
+from shapery_worker import broker
 from shapery_worker.attempt import Runtime, run_job
 from shapery_worker.handlers import load_handlers
 from shapery_worker.lifeline import tie_to_parent
@@ -61,6 +62,7 @@ def main(arguments: list[str] | None = None) -> int:
     settings = load_settings()
     load_plugins(settings)
     celery = make_celery(settings)
+    broker.prepare(celery)
     handlers = load_handlers(options.service)
     shutdown = ShutdownFlag()
     runtime = Runtime(
@@ -76,9 +78,9 @@ def main(arguments: list[str] | None = None) -> int:
 
     @celery.task(name=TASK_NAME, ignore_result=True)
     def run(job_id: str) -> None:
-        if shutdown.is_set():
-            raise Reject("the worker stops", requeue=True)
-        run_job(runtime, UUID(job_id))
+        state = None if shutdown.is_set() else run_job(runtime, UUID(job_id))
+        if state is None and shutdown.is_set():
+            raise Reject("the worker stops, and the job may still wait", requeue=True)
 
     main_process = os.getpid()
 

@@ -64,6 +64,10 @@ class HandlerProcess:
         The page through which it tells its progress and learns of a cancel.
     label
         What its lines in the log begin with.
+    niceness
+        How far it steps back behind other processes.
+    private
+        Descriptors of the parent that it must not keep open.
     """
 
     def __init__(
@@ -76,6 +80,7 @@ class HandlerProcess:
         *,
         label: str,
         niceness: int = 0,
+        private: tuple[int, ...] = (),
     ) -> None:
         self._label = label
         self.usage: Any = None
@@ -87,6 +92,8 @@ class HandlerProcess:
             stream.flush()  # or what is buffered would be written twice
         self.pid = os.fork()
         if self.pid == 0:
+            for descriptor in private:
+                os.close(descriptor)
             _live(parent, go_read, log_write, (kind, handler, params, folders, board), niceness)
         os.close(go_read)
         os.close(log_write)

@@ -1,6 +1,7 @@
 """What a worker's host says and does in the database: that the worker lives, and what became of killed processes.
 
-Imported late: the host first starts the process that runs the jobs, and a host without handlers has no hurry at all.
+Imported late, and itself importing late: the host first starts the process that runs the jobs, a host without handlers
+has no hurry at all, and most need neither the queue nor the rows of jobs.
 """
 
 from __future__ import annotations
@@ -11,16 +12,18 @@ import socket
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
+from uuid import UUID
 
-from celery import Celery
 from sqlalchemy.exc import SQLAlchemyError
 
 from shapery_contracts.errors import ShaperyError
 from shapery_platform import workers
 from shapery_platform.db import Database
-from shapery_platform.queue import make_celery
 from shapery_platform.settings import Settings
-from shapery_worker.recovery import recover_abandoned
+
+if TYPE_CHECKING:
+    from celery import Celery
 
 logger = logging.getLogger(__name__)
 
@@ -42,6 +45,8 @@ class Presence:
 
     @cached_property
     def _celery(self) -> Celery:
+        from shapery_platform.queue import make_celery
+
         return make_celery(self._settings)
 
     def tell_alive(self, kinds: Sequence[str]) -> None:
@@ -54,7 +59,9 @@ class Presence:
 
     def recover(self) -> None:
         """Give back the jobs whose watchers were killed on this machine."""
-        self._attempt(lambda: recover_abandoned(self._root, self._database, lambda: self._celery))
+        from shapery_worker.recovery import recover_abandoned
+
+        self._attempt(lambda: recover_abandoned(self._root, self._database, self._submit))
 
     def close(self) -> None:
         """Close the connections."""
@@ -71,6 +78,11 @@ class Presence:
             with self._database.session() as session:
                 workers.forget(session, self._worker_id)
             self._registered = False
+
+    def _submit(self, job_id: UUID, kind: str) -> None:
+        from shapery_platform import dispatch
+
+        dispatch.submit(self._database, self._celery, job_id, kind)
 
     def _attempt(self, action: Callable[[], object]) -> None:
         try:

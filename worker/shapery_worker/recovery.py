@@ -7,23 +7,23 @@ import os
 import signal
 from collections.abc import Callable
 from pathlib import Path
+from uuid import UUID
 
 import psutil
-from celery import Celery
 
 from shapery_contracts.states import JobState
-from shapery_platform import dispatch, jobs
+from shapery_platform import jobs
 from shapery_platform.db import Database
 from shapery_worker.scratch import Abandoned, Ownership, find_abandoned
 
 logger = logging.getLogger(__name__)
 
 
-def recover_abandoned(root: Path, database: Database, celery: Callable[[], Celery]) -> int:
+def recover_abandoned(root: Path, database: Database, submit: Callable[[UUID, str], object]) -> int:
     """Give back the jobs whose folders below `root` are abandoned, and remove the folders; return how many.
 
-    The change is made under the dead worker's own lease, so it does nothing where the reaper was faster. The queue is
-    asked for only when there is something to send.
+    The change is made under the dead worker's own lease, so it does nothing where the reaper was faster. `submit` is
+    called with id and kind of each job that waits again.
     """
     recovered = 0
     for abandoned in find_abandoned(root):
@@ -40,7 +40,7 @@ def recover_abandoned(root: Path, database: Database, celery: Callable[[], Celer
         recovered += 1
         logger.warning("job %s: its worker was killed; it is %s now", ownership.job_id, state.value)
         if state is JobState.QUEUED:
-            dispatch.submit(database, celery(), ownership.job_id, ownership.kind)
+            submit(ownership.job_id, ownership.kind)
     return recovered
 
 

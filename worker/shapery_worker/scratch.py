@@ -71,6 +71,11 @@ class ScratchFolder:
             outcome=self.path / "outcome.json",
         )
 
+    @property
+    def descriptor(self) -> int:
+        """The descriptor that holds the lock; a process that is forked meanwhile has no use for it."""
+        return self._lock
+
     def __enter__(self) -> Self:
         # Under a hidden name until it is locked: a sweep that came in between would take it for abandoned.
         hidden = self._root / f".{self.path.name}"

@@ -32,10 +32,15 @@ class Turns:
         self._room = folder / "turns.room"
 
     @contextmanager
-    def take(self, *, alone: bool, give_up: Callable[[], bool]) -> Iterator[bool]:
-        """Wait for a turn; yields whether it came before `give_up` said so.
+    def take(self, *, alone: bool, give_up: Callable[[], bool]) -> Iterator[int | None]:
+        """Wait for a turn.
 
         Whoever wants to be alone waits inside the gate, so that nobody who comes later overtakes.
+
+        Yields
+        ------
+        The descriptor that holds the turn: a process that is forked meanwhile shares it, and must close it lest it
+        keep the turn. None when `give_up` said so before the turn came.
         """
         gate = os.open(self._gate, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
         room = os.open(self._room, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
@@ -45,7 +50,7 @@ class Turns:
             )
             os.close(gate)
             gate = -1
-            yield entered
+            yield room if entered else None
         finally:
             for descriptor in (gate, room):
                 if descriptor >= 0:

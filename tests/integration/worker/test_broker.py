@@ -48,11 +48,14 @@ def test_an_idle_worker_takes_jobs_soon_after_redis_was_killed(stack: Stack, red
 
 
 def test_messages_that_redis_lost_are_sent_again(stack: Stack, redis: RedisServer) -> None:
-    jobs = [stack.submit(artifacts=ARTIFACTS, seed=seed) for seed in range(5)]
-    redis.clear()
-    stack.start_worker()
+    stack.start_worker(concurrency=1)
     stack.start_reaper()
+    running = stack.submit(steps=4, step_seconds=0.5)
+    stack.wait_until_running(running)
+    jobs = [stack.submit(artifacts=ARTIFACTS, seed=seed) for seed in range(5)]
+    redis.clear()  # everything, under the connections of all
     began = time.monotonic()
+    assert stack.wait(running).state is JobState.SUCCEEDED
     for seed, job in enumerate(stack.wait_all(jobs)):
         expected_end(job, artifacts=ARTIFACTS, seed=seed, stack=stack)
     measures.record("all messages lost: until all jobs are done", time.monotonic() - began)

@@ -15,12 +15,12 @@ import signal
 import socket
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from urllib.parse import urlsplit
 
 from shapery_contracts.errors import UserError
-from shapery_contracts.kinds import SERVICES
+from shapery_contracts.kinds import JOB_KINDS, SERVICES
 from shapery_platform.settings import Settings
 from shapery_worker.handlers import installed_kinds
 from shapery_worker.stop_signal import StopSignal
@@ -45,9 +45,8 @@ class Supervisor:
     Parameters
     ----------
     settings
-        Where the platform keeps its things and which address it serves; port 0 takes a free one.
-    services
-        Which services get a worker.
+        Where the platform keeps its things and which address it serves; port 0 takes a free one. Plugins have been
+        loaded.
     announce
         Called with each line that the user shall see.
     """
@@ -56,11 +55,11 @@ class Supervisor:
         self,
         settings: Settings,
         *,
-        services: Sequence[str] = SERVICES,
         announce: Callable[[str], None] = print,
     ) -> None:
         self._settings = settings
-        self._services = services
+        # Those of plugins too: whoever registers a kind with a service of its own gets a worker for it.
+        self._services = list(dict.fromkeys([*SERVICES, *(kind.service for kind in JOB_KINDS.values())]))
         self._announce = announce
         self._port = settings.port
         self._processes: list[SupervisedProcess] = []
