@@ -6,6 +6,7 @@ one volume to the other. The mask need not be exact to a voxel; it must hold all
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from typing import Any
 
@@ -27,6 +28,9 @@ STRIPPED_SHARE = 0.55
 
 LARGEST_BRAIN = 2.0e6
 """mm³ that no brain with its fluid exceeds, but a head with its face does."""
+
+CONSTANT_SHARE = 0.95
+"""Share of the volume's corners that must have one value for a constant background; noise has many."""
 
 LEAST_BRAIN = 50e3
 """mm³ of brain without which nothing can be judged (an adult's has 1.1 to 1.6 million)."""
@@ -185,15 +189,16 @@ def _strip(image: NDArray[np.float32], foreground: BoolArray) -> BoolArray:
 
 
 def _background_value(volume: Volume) -> float | None:
-    """Return the value that fills the space around a stripped brain, or None where the background is not constant."""
+    """Return the value that fills the space around a stripped brain, or None where the background is not constant.
+
+    A brain is round: the eight corners of its volume, an eighth of each edge long, are background.
+    """
     data = volume.data
-    corners = data[:: max(1, data.shape[0] - 1), :: max(1, data.shape[1] - 1), :: max(1, data.shape[2] - 1)]
-    values, counts = np.unique(corners[np.isfinite(corners)], return_counts=True)
-    if not len(values):
-        return None
-    value = values[int(counts.argmax())]
-    share = float(np.count_nonzero(data == value)) / data.size
-    return float(value) if share > 0.15 else None
+    ends = [(slice(0, max(1, n // 8)), slice(n - max(1, n // 8), n)) for n in data.shape]
+    corners = np.concatenate([data[box].ravel() for box in itertools.product(*ends)])
+    values, counts = np.unique(corners, return_counts=True)
+    share = float(counts.max()) / corners.size
+    return float(values[int(counts.argmax())]) if share > CONSTANT_SHARE else None
 
 
 def _not_background(grid: WorkingGrid, volume: Volume) -> BoolArray:

@@ -122,7 +122,7 @@ def calibrate(brain: Brain, post: Volume, pre: Volume | None) -> Calibration:
     reference = after if before is None else before
     values = reference.ravel()[chosen].astype(np.float64)
     centre = float(np.median(values))
-    spread = max(MAD_TO_SIGMA * float(np.median(np.abs(values - centre))), np.finfo(np.float32).tiny)
+    spread = max(MAD_TO_SIGMA * float(np.median(np.abs(values - centre))), 1e-30)
     normal = (reference - np.float32(centre)) / np.float32(spread)
     normal[~mask] = 0.0
     if before is None:
