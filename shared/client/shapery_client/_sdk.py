@@ -352,7 +352,8 @@ class Client:
                     for event in EventSource(response).iter_sse():
                         failures = 0
                         last = event.id or last
-                        yield event.data
+                        if event.data:  # an id or a retry time may come without
+                            yield event.data
                 return
             except (ConnectionFailed, ApiError) as error:
                 if isinstance(error, ApiError) and error.status not in {429, 502, 503, 504}:

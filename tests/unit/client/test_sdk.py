@@ -101,6 +101,7 @@ def test_events_go_on_after_a_dropped_connection_without_repeating(client: Clien
         handler.send_header("Content-Type", "text/event-stream")
         handler.send_header("Content-Length", "100000")
         handler.end_headers()
+        handler.wfile.write(b"retry: 1000\nid: 0\n\n: a comment\n\n")
         handler.wfile.write(event(1, "running") + event(2, "running", "progress", 0.5))
         handler.wfile.flush()
         drop(handler)
