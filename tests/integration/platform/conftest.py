@@ -20,6 +20,7 @@ from shapery_platform.db.models import Base
 from shapery_platform.jobs import ClaimedJob
 from shapery_platform.settings import Settings, load_settings
 from shapery_platform.storage import ObjectStore, UploadStaging
+from sqlalchemy import event
 from tests.support.postgres import PostgresServer, postgres_server
 from tests.support.redis import RedisServer, redis_server
 from tests.support.s3 import S3Server, s3_server
@@ -95,6 +96,9 @@ def database_url(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[str
 @pytest.fixture
 def database(database_url: str) -> Iterator[Database]:
     database = Database(database_url)
+    if database.dialect == "sqlite":
+        # test data needs to survive nothing
+        event.listen(database.engine, "connect", lambda connection, _: connection.execute("PRAGMA synchronous = OFF"))
     yield database
     database.dispose()
 
