@@ -10,6 +10,9 @@ doi:10.1145/258734.258849.
 
 from __future__ import annotations
 
+import contextlib
+import io
+import re
 from typing import Any
 
 import numpy as np
@@ -42,8 +45,9 @@ def decimate(mesh: TriangleMesh, faces: int, *, keep_topology: bool = True) -> T
         raise ValueError(f"a closed surface has 4 faces at least, not {faces}")
     if len(mesh.faces) <= faces:
         return mesh
-    meshes = _pymeshlab().MeshSet()
-    meshes.add_mesh(_pymeshlab().Mesh(np.array(mesh.vertices), np.array(mesh.faces)))
+    pymeshlab = _pymeshlab()
+    meshes = pymeshlab.MeshSet()
+    meshes.add_mesh(pymeshlab.Mesh(np.array(mesh.vertices), np.array(mesh.faces)))
     meshes.meshing_decimation_quadric_edge_collapse(
         targetfacenum=int(faces),
         preservetopology=keep_topology,
@@ -56,8 +60,10 @@ def decimate(mesh: TriangleMesh, faces: int, *, keep_topology: bool = True) -> T
 
 
 def _pymeshlab() -> Any:
+    said = io.StringIO()
     try:
-        import pymeshlab
+        with contextlib.redirect_stdout(said):
+            import pymeshlab
     except ModuleNotFoundError as error:
         raise Unavailable(
             "missing_dependency",
@@ -65,9 +71,19 @@ def _pymeshlab() -> Any:
             "Install shapery-geometry with its extra: pip install 'shapery-geometry[repair]'.",
         ) from error
     except ImportError as error:
-        raise Unavailable(
-            "missing_dependency",
-            f"Decimation needs pymeshlab, whose system libraries cannot be loaded: {error}.",
-            "On Debian and Ubuntu install them with: apt-get install libgl1 libopengl0.",
-        ) from error
+        raise _libraries_missing(str(error)) from error
+    # with some libraries missing, pymeshlab loads, prints which of its parts did not, and lacks these
+    if not hasattr(pymeshlab.MeshSet, "meshing_decimation_quadric_edge_collapse"):
+        raise _libraries_missing(said.getvalue())
     return pymeshlab
+
+
+def _libraries_missing(said: str) -> Unavailable:
+    """Return the error that names the libraries a loader's message speaks of, without its paths."""
+    named = sorted(set(re.findall(r"\blib(?:GL|OpenGL|GLU|GLX|EGL)\.so\.[0-9]+", said)))
+    which = " and ".join(named) or "part of what it needs"
+    return Unavailable(
+        "missing_dependency",
+        f"Decimation needs pymeshlab, and {which} cannot be loaded from this system.",
+        "On Debian and Ubuntu install the libraries with: apt-get install libgl1 libopengl0.",
+    )

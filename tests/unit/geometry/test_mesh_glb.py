@@ -257,7 +257,7 @@ def test_names_colours_and_the_frame(tmp_path: Path) -> None:
     path = tmp_path / "scene.glb"
     write_scene_glb([("tümor", icosphere(), (1, 0.5, 0, 1)), ("vessel", icosphere(), (0, 0, 1, 0.25))], path)
     document, binary = parsed(path)
-    assert [node["name"] for node in document["nodes"]] == ["RAS mm", "tümor", "vessel"]
+    assert [node["name"] for node in document["nodes"]] == ["RAS_mm", "tümor", "vessel"]
     assert document["nodes"][0]["extras"] == {"frame": "RAS", "unit": "mm"}
     assert document["nodes"][0]["children"] == [1, 2]
     # the top of the head (RAS +z) is up (glTF +y), the nose (+y) looks away from the viewer (−z), in metres

@@ -262,7 +262,7 @@ def test_decimation_keeps_the_shape() -> None:
     [
         (
             'ImportError("libOpenGL.so.0: cannot open shared object file: No such file or directory")',
-            ["libOpenGL.so.0", "apt-get install libgl1 libopengl0"],
+            ["and libOpenGL.so.0 cannot be loaded", "apt-get install libgl1 libopengl0"],
         ),
         (
             "ModuleNotFoundError(\"No module named 'pymeshlab'\", name='pymeshlab')",
@@ -292,6 +292,26 @@ def test_without_its_libraries_decimation_says_what_to_install(failure: str, wor
     assert done.stdout.startswith("missing_dependency "), done.stderr
     for word in words:
         assert word in done.stdout
+
+
+def test_pymeshlab_that_loads_without_its_parts_is_told_apart() -> None:
+    done = run(
+        """
+        import sys, types
+        partial = types.ModuleType("pymeshlab")
+        partial.MeshSet = type("MeshSet", (), {})
+        sys.modules["pymeshlab"] = partial
+        from shapery_contracts.errors import Unavailable
+        from shapery_geometry.decimation import decimate
+        from shapery_geometry.mesh import icosphere
+        try:
+            decimate(icosphere(), 100)
+        except Unavailable as error:
+            print(error.code, error)
+        """
+    )
+    assert done.stdout.startswith("missing_dependency "), done.stderr
+    assert "apt-get install libgl1 libopengl0" in done.stdout
 
 
 def test_reading_and_repairing_load_no_heavy_library() -> None:

@@ -4,7 +4,7 @@ Reading joins the meshes of all nodes of the scene into one, each moved by its n
 meshes with colours.
 
 The frame: glTF has +Y up and metres, Shapery has RAS millimetres (+Z up). A scene written here keeps RAS millimetres
-in its meshes, below one node called ``RAS mm`` whose matrix turns and scales them to glTF's frame (x, y, z) →
+in its meshes, below one node called ``RAS_mm`` whose matrix turns and scales them to glTF's frame (x, y, z) →
 (x, z, −y) / 1000, so that any viewer shows them upright and in their true size. The node carries
 ``"extras": {"frame": "RAS", "unit": "mm"}``; this reader leaves out the matrix of such a node and of those above it, so
 that what was written is read back in the same place.
@@ -140,7 +140,7 @@ def write_scene_glb(meshes: Sequence[tuple[str, TriangleMesh, Colour]], path: Pa
         gltf_meshes.append({"name": name, "primitives": [primitive]})
         nodes.append({"name": name, "mesh": len(gltf_meshes) - 1})
     document: dict[str, Any] = {"asset": {"version": "2.0", "generator": "Shapery"}, "scene": 0}
-    frame: dict[str, Any] = {"name": "RAS mm", "matrix": _TO_GLTF, "extras": {"frame": "RAS", "unit": "mm"}}
+    frame: dict[str, Any] = {"name": "RAS_mm", "matrix": _TO_GLTF, "extras": {"frame": "RAS", "unit": "mm"}}
     if nodes:
         frame["children"] = list(range(1, len(nodes) + 1))
         document |= {"meshes": gltf_meshes, "materials": materials, "accessors": accessors, "bufferViews": views}
