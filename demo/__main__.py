@@ -27,7 +27,7 @@ HOME = Path(".shapery") / "demo"
 """Everything the demo keeps; a second run finds its phantom there."""
 PHANTOM_SEED = 7
 
-console = Console(highlight=False)
+console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
 
 
 def main() -> int:
