@@ -38,7 +38,8 @@ def self_intersections(
     -----
     Candidates come from a tree of boxes, O(m log m) for surfaces; each is decided by signs of determinants that are
     exact for all doubles (as long as coordinates of one mesh differ by less than 60 orders of magnitude). About 0.3 s
-    for 100,000 faces of a smooth closed surface.
+    for 100,000 faces of a smooth closed surface. Only around one vertex every face is compared with every other, so
+    that a vertex of 10,000 faces takes about ten seconds.
     """
     asked = np.ones(len(mesh.faces), dtype=np.bool_)
     if faces is not None:

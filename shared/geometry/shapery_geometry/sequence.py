@@ -162,12 +162,12 @@ class SequenceFile:
         return MeshSequence(vertices, self.faces)
 
 
-def read_sequence(path: Path, *, limits: SequenceLimits | None = None) -> MeshSequence:
+def read_sequence(path: Path | str, *, limits: SequenceLimits | None = None) -> MeshSequence:
     """Load a sequence; see `open_sequence`."""
     return open_sequence(path, limits=limits).load()
 
 
-def open_sequence(path: Path, *, limits: SequenceLimits | None = None) -> SequenceFile:
+def open_sequence(path: Path | str, *, limits: SequenceLimits | None = None) -> SequenceFile:
     """Open a sequence for reading.
 
     Parameters
@@ -192,6 +192,7 @@ def open_sequence(path: Path, *, limits: SequenceLimits | None = None) -> Sequen
     LimitExceeded
         ``too_large``.
     """
+    path = Path(path)
     limits = limits or SequenceLimits()
     if path.is_dir():
         return _open_folder(path, limits)
@@ -215,7 +216,7 @@ def natural_key(name: str) -> tuple[tuple[tuple[int, int | str], ...], str]:
 
 
 def write_sequence_npz(
-    path: Path,
+    path: Path | str,
     frames: Iterable[ArrayLike],
     faces: ArrayLike,
     *,

@@ -43,6 +43,7 @@ def test_what_is_written_is_read_back_bit_for_bit(suffix: str, tmp_path: Path) -
     path = tmp_path / f"mesh{suffix}"
     write_mesh(sphere, path)
     assert read_mesh(path).same_as(sphere)
+    assert read_mesh(str(path)).same_as(sphere)
     first = path.read_bytes()
     write_mesh(sphere, path)
     assert path.read_bytes() == first

@@ -88,7 +88,7 @@ def _chunks(stream: BinaryIO, size: int) -> tuple[dict[str, Any], bytes]:
     return document, chunks.get(_BINARY, b"")
 
 
-def write_scene_glb(meshes: Sequence[tuple[str, TriangleMesh, Colour]], path: Path) -> None:
+def write_scene_glb(meshes: Sequence[tuple[str, TriangleMesh, Colour]], path: Path | str) -> None:
     """Write named meshes with colours as one scene.
 
     Parameters
@@ -151,7 +151,7 @@ def write_scene_glb(meshes: Sequence[tuple[str, TriangleMesh, Colour]], path: Pa
     parts = struct.pack("<L4s", len(text), _JSON) + text
     if binary:
         parts += struct.pack("<L4s", len(binary), _BINARY) + bytes(binary)
-    path.write_bytes(struct.pack("<4s2L", _MAGIC, 2, 12 + len(parts)) + parts)
+    Path(path).write_bytes(struct.pack("<4s2L", _MAGIC, 2, 12 + len(parts)) + parts)
 
 
 def _material(name: str, colour: Colour) -> dict[str, Any]:

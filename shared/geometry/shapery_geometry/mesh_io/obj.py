@@ -81,9 +81,9 @@ def _shown(row: list[bytes]) -> str:
     return b" ".join(row)[:40].decode("latin-1")
 
 
-def write_obj(mesh: TriangleMesh, path: Path, *, comment: str = "") -> None:
+def write_obj(mesh: TriangleMesh, path: Path | str, *, comment: str = "") -> None:
     """Write vertices, with all their digits, and faces."""
     lines = [f"# {line}" for line in comment.splitlines()]
     lines += [f"v {x!r} {y!r} {z!r}" for x, y, z in mesh.vertices.tolist()]
     lines += [f"f {a} {b} {c}" for a, b, c in (mesh.faces.astype(np.int64) + 1).tolist()]
-    path.write_bytes("\n".join([*lines, ""]).encode())
+    Path(path).write_bytes("\n".join([*lines, ""]).encode())

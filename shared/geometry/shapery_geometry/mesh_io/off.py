@@ -94,9 +94,9 @@ def _flowing(rows: list[list[bytes]], vertex_count: int, face_count: int) -> Pol
     return PolygonMesh(vertices.reshape(-1, 3), np.array(corners, dtype=np.int64), np.array(counts, dtype=np.int64))
 
 
-def write_off(mesh: TriangleMesh, path: Path) -> None:
+def write_off(mesh: TriangleMesh, path: Path | str) -> None:
     """Write vertices, with all their digits, and faces."""
     lines = ["OFF", f"{len(mesh.vertices)} {len(mesh.faces)} 0"]
     lines += [f"{x!r} {y!r} {z!r}" for x, y, z in mesh.vertices.tolist()]
     lines += [f"3 {a} {b} {c}" for a, b, c in mesh.faces.tolist()]
-    path.write_bytes("\n".join([*lines, ""]).encode())
+    Path(path).write_bytes("\n".join([*lines, ""]).encode())

@@ -339,7 +339,7 @@ def _unstripped(items: NDArray[np.int64], counts: NDArray[np.int64], vertex_coun
 
 def write_ply(
     mesh: TriangleMesh,
-    path: Path,
+    path: Path | str,
     *,
     comments: Sequence[str] = ("coordinates: RAS, millimetres",),
     single: bool = False,
@@ -375,4 +375,4 @@ def write_ply(
     rows["count"] = 3
     rows["indices"] = mesh.faces
     points = mesh.vertices.astype("<f4" if single else "<f8")
-    path.write_bytes("\n".join(header).encode() + points.tobytes() + rows.tobytes())
+    Path(path).write_bytes("\n".join(header).encode() + points.tobytes() + rows.tobytes())

@@ -18,7 +18,7 @@ from shapery_geometry.mesh_io.polygons import PolygonMesh
 from shapery_geometry.mesh_io.stl import read_stl
 
 
-def read_mesh(path: Path, *, limits: MeshLimits | None = None, weld_stl: bool = True) -> TriangleMesh:
+def read_mesh(path: Path | str, *, limits: MeshLimits | None = None, weld_stl: bool = True) -> TriangleMesh:
     """Read a triangle mesh; the format is told from the content.
 
     Parameters
@@ -45,6 +45,7 @@ def read_mesh(path: Path, *, limits: MeshLimits | None = None, weld_stl: bool = 
     LimitExceeded
         ``too_large``.
     """
+    path = Path(path)
     if path.is_dir():
         raise InvalidInput("wrong_input_kind", "A folder was given where a mesh is needed.", "Give one mesh file.")
     with path.open("rb") as stream:

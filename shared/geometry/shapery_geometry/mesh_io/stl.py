@@ -103,10 +103,10 @@ def _broken(facets: int) -> Exception:
     return corrupt(f"Facet {max(facets - 1, 0)} of the STL file has more or fewer than 3 vertices.")
 
 
-def write_stl(mesh: TriangleMesh, path: Path) -> None:
+def write_stl(mesh: TriangleMesh, path: Path | str) -> None:
     """Write a binary STL: single precision, no indices."""
     records = np.zeros(len(mesh.faces), dtype=_RECORD)
     records["normal"] = mesh.face_normals
     records["corners"] = mesh.corners
     header = b"binary STL, RAS mm or model units".ljust(80, b" ")
-    path.write_bytes(header + struct.pack("<L", len(records)) + records.tobytes())
+    Path(path).write_bytes(header + struct.pack("<L", len(records)) + records.tobytes())

@@ -25,7 +25,7 @@ WRITERS: Final[Mapping[str, Callable[[TriangleMesh, Path], None]]] = MappingProx
 )
 
 
-def write_mesh(mesh: TriangleMesh, path: Path) -> None:
+def write_mesh(mesh: TriangleMesh, path: Path | str) -> None:
     """Write a mesh in the format that the ending of `path` names.
 
     Raises
@@ -33,6 +33,7 @@ def write_mesh(mesh: TriangleMesh, path: Path) -> None:
     InvalidInput
         ``unsupported_format`` for an ending that is not known.
     """
+    path = Path(path)
     writer = WRITERS.get(path.suffix.lower())
     if writer is None:
         raise InvalidInput(
