@@ -93,7 +93,8 @@ def get_batch(session: ReadSession, caller: Reader, batch_id: UUID) -> BatchView
     responses={
         **event_stream(
             "Server-sent events: `id` is the sequence number, `event` is `counts`, `data` a `BatchEvent`. "
-            "The stream ends when all jobs have."
+            "The stream ends when all jobs have.",
+            "BatchEvent",
         ),
         **problems(*COMMON_PROBLEMS, "not_found"),
     },

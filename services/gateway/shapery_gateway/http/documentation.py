@@ -14,11 +14,13 @@ _CONTENT_HEADERS: dict[str, Any] = {
 }
 _RANGE = {"Content-Range": {"description": "Which bytes these are.", "schema": {"type": "string"}}}
 
+_ANYTHING: dict[str, Any] = {"*/*": {"schema": {"description": "Bytes of any media type."}}}
+
 CONTENT_RESPONSES: dict[int | str, dict[str, Any]] = {
-    200: {"description": "The whole content.", "content": {"*/*": BINARY}, "headers": _CONTENT_HEADERS},
+    200: {"description": "The whole content.", "content": _ANYTHING, "headers": _CONTENT_HEADERS},
     206: {
         "description": "The asked ranges: one as it is, several as `multipart/byteranges`.",
-        "content": {"*/*": BINARY},
+        "content": _ANYTHING,
         "headers": {**_CONTENT_HEADERS, **_RANGE},
     },
     304: {"description": "The content is still the one of `If-None-Match`.", "headers": {"ETag": _ETAG}},
@@ -40,14 +42,24 @@ CONTENT_PARAMETERS = [
 CONTENT_PROBLEMS = ("not_found", "gone", "precondition_failed", "range_not_satisfiable")
 
 
-def event_stream(description: str) -> dict[int | str, dict[str, Any]]:
-    """Return the ``responses`` of a route that sends server-sent events."""
+def event_stream(description: str, model: str) -> dict[int | str, dict[str, Any]]:
+    """Return the ``responses`` of a route that sends server-sent events whose data is a `model`."""
+    event = {
+        "type": "object",
+        "description": "One event; a stream is any number of them.",
+        "required": ["id", "event", "data"],
+        "properties": {
+            "id": {"type": "string", "pattern": "^[0-9]+$"},
+            "event": {"type": "string"},
+            "data": {
+                "type": "string",
+                "contentMediaType": "application/json",
+                "contentSchema": {"$ref": f"#/components/schemas/{model}"},
+            },
+            "retry": {"type": "integer"},
+        },
+    }
     return {
-        200: {"description": description, "content": {"text/event-stream": {"schema": {"type": "string"}}}},
+        200: {"description": description, "content": {"text/event-stream": {"schema": event}}},
         204: {"description": "There is nothing more to come: the client need not ask again."},
     }
-
-
-LAST_EVENT_ID = header(
-    "Last-Event-ID", "The id of the last event that was received; `after` is the same in the query.", {"type": "string"}
-)

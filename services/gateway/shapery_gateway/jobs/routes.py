@@ -105,7 +105,8 @@ def get_job(session: ReadSession, caller: Reader, job_id: UUID) -> JobView:
     responses={
         **event_stream(
             "Server-sent events: `id` is the sequence number, `event` is `state` or `progress`, `data` a `JobEvent`. "
-            "The stream ends with the event of a terminal state."
+            "The stream ends with the event of a terminal state.",
+            "JobEvent",
         ),
         **problems(*COMMON_PROBLEMS, "not_found"),
     },

@@ -39,7 +39,8 @@ class TusMiddleware:
             await send(message)
 
         given = headers.get("tus-resumable")
-        if scope["method"] != "OPTIONS" and given != VERSION:
+        versioned = {"POST"} if path == self.prefix else _OVERRIDABLE
+        if scope["method"] in versioned and given != VERSION:
             said = "no Tus-Resumable header" if given is None else f"Tus-Resumable {given!r}"
             response = problem_response(
                 scope,

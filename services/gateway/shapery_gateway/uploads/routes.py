@@ -78,6 +78,7 @@ async def get_capabilities(backend: BackendDep) -> Response:
     operation_id="createUpload",
     summary="Begin an upload",
     status_code=201,
+    response_class=Response,
     openapi_extra={
         "parameters": [
             _RESUMABLE,
