@@ -11,6 +11,7 @@ from uuid import UUID
 import psycopg
 import pytest
 from psycopg import sql
+from sqlalchemy import event
 
 from shapery_contracts.api import JobCreate
 from shapery_contracts.formats import AssetKind, FileFormat
@@ -20,7 +21,6 @@ from shapery_platform.db.models import Base
 from shapery_platform.jobs import ClaimedJob
 from shapery_platform.settings import Settings, load_settings
 from shapery_platform.storage import ObjectStore, UploadStaging
-from sqlalchemy import event
 from tests.support.postgres import PostgresServer, postgres_server
 from tests.support.redis import RedisServer, redis_server
 from tests.support.s3 import S3Server, s3_server

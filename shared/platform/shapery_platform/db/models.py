@@ -35,6 +35,11 @@ LIVE_STATES = (JobState.QUEUED, JobState.RUNNING, JobState.CANCELLING)
 _LEASED = "('running', 'cancelling')"
 _LIVE = "('queued', 'running', 'cancelling')"
 
+# Conditions of partial indices. SQLite uses such an index only for a query that has the very same words in its own
+# condition, so queries take them from here.
+IS_LIVE = f"jobs.state IN {_LIVE}"
+WILL_EXPIRE = "jobs.expires_at IS NOT NULL AND NOT jobs.expired"
+
 
 class Base(DeclarativeBase):
     """Root of the models; constraint names follow one rule, so that migrations can name them."""
@@ -183,14 +188,14 @@ class Job(Base):
             "state",
             "service",
             "id",
-            sqlite_where=text(f"state IN {_LIVE}"),
-            postgresql_where=text(f"state IN {_LIVE}"),
+            sqlite_where=text(IS_LIVE.replace("jobs.", "")),
+            postgresql_where=text(IS_LIVE.replace("jobs.", "")),
         ),
         Index(
             "ix_jobs_expires_at",
             "expires_at",
-            sqlite_where=text("expires_at IS NOT NULL AND NOT expired"),
-            postgresql_where=text("expires_at IS NOT NULL AND NOT expired"),
+            sqlite_where=text(WILL_EXPIRE.replace("jobs.", "")),
+            postgresql_where=text(WILL_EXPIRE.replace("jobs.", "")),
         ),
         CheckConstraint(f"(lease IS NOT NULL) = (state IN {_LEASED})", name="lease"),
         CheckConstraint(f"(finished_at IS NULL) = (state IN {_LIVE})", name="finished"),

@@ -249,7 +249,8 @@ class RangeReader(io.RawIOBase):
             return 0
         end = self._begin + len(self._window)
         if not self._begin <= self._position < end:
-            self._ahead = min(2 * self._ahead, self._most) if self._position == end else self._least
+            goes_on = bool(self._window) and self._position == end
+            self._ahead = min(2 * self._ahead, self._most) if goes_on else self._least
             stop = min(self._position + max(wanted, self._ahead), self._position + self._most, self._size)
             self._window = b""  # freed before the next one comes
             self._window = self._read_range(self._position, stop)

@@ -46,8 +46,8 @@ def count_by_state(session: Session) -> dict[JobState, int]:
     """Return how many jobs are in each state, over all owners."""
     counts = dict.fromkeys(JobState, 0)
     counts.update(
-        (row.state, row.count)
-        for row in session.execute(select(Job.state, func.count().label("count")).group_by(Job.state))
+        (row.state, row.jobs)
+        for row in session.execute(select(Job.state, func.count().label("jobs")).group_by(Job.state))
     )
     return counts
 
