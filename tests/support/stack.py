@@ -231,13 +231,13 @@ def running_stack(home: Path, database_url: str, redis: RedisServer, **settings:
     finally:
         hosts = {process.pid for process in stack.processes}
         stack.end()
-        left = [process for process in _processes_of(home) if process.pid not in hosts]
+        left = [process for process in processes_of(home) if process.pid not in hosts]
         for process in left:
             process.kill()
         assert not left, f"processes outlived their worker: {left}"
 
 
-def _processes_of(home: Path) -> list[psutil.Process]:
+def processes_of(home: Path) -> list[psutil.Process]:
     """Return the living processes whose environment names this home, other than this one."""
     found = []
     for process in psutil.process_iter():

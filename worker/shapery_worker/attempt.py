@@ -46,6 +46,9 @@ T = TypeVar("T")
 
 logger = logging.getLogger(__name__)
 
+# It runs, has ended, or was cancelled: a message is only a hint, and may come twice or late.
+_NOTHING_TO_DO = "job %s: a message came, but the job does not wait"
+
 
 class Interrupted(Exception):
     """The attempt is not carried on: it was cancelled, its lease was lost, or the worker goes."""
@@ -92,30 +95,29 @@ def run_job(runtime: Runtime, job_id: UUID) -> JobState | None:
         with runtime.database.session(readonly=True) as session:
             tried = jobs.waiting_attempt(session, job_id)
         if tried is None:
-            return _nothing_to_do(job_id)
+            logger.info(_NOTHING_TO_DO, job_id)
+            return None
         with runtime.turns.take(alone=tried > 0, give_up=runtime.shutting_down) as turn:
             if turn is None:
                 return None
             job = _claim(runtime, job_id)
             if job is None:
-                return _nothing_to_do(job_id)
+                return None
             if tried > 0 or job.attempt == 1:
                 return _carry_out(runtime, job, (turn,))
             # Another worker has tried it in vain meanwhile, and now it wants another turn.
             with runtime.database.session() as session:
                 jobs.release(session, job.job_id, job.lease)
     job = _claim(runtime, job_id)
-    return _nothing_to_do(job_id) if job is None else _carry_out(runtime, job, ())
-
-
-def _nothing_to_do(job_id: UUID) -> None:
-    # It runs, has ended, or was cancelled: a message is only a hint, and may come twice or late.
-    logger.info("job %s: a message came, but the job does not wait", job_id)
+    return None if job is None else _carry_out(runtime, job, ())
 
 
 def _claim(runtime: Runtime, job_id: UUID) -> ClaimedJob | None:
     with runtime.database.session() as session:
-        return jobs.claim(session, job_id, runtime.worker_id)
+        job = jobs.claim(session, job_id, runtime.worker_id)
+    if job is None:
+        logger.info(_NOTHING_TO_DO, job_id)
+    return job
 
 
 def _carry_out(runtime: Runtime, job: ClaimedJob, private: tuple[int, ...]) -> JobState | None:

@@ -11,7 +11,7 @@ from logging.handlers import RotatingFileHandler
 from pathlib import Path
 from typing import Any
 
-from shapery_contracts.errors import ShaperyError
+from shapery_contracts.errors import InvalidInput, ShaperyError
 from shapery_platform.settings import Settings, load_plugins, load_settings
 from shapery_worker.logs import FORMAT, configure_logging
 from shapery_worker.settings import WorkerSettings
@@ -52,6 +52,7 @@ def _parser() -> argparse.ArgumentParser:
     up.add_argument("--home", type=Path, help="folder for everything the platform keeps (default: SHAPERY_HOME)")
     up.add_argument("--host", help="address to listen on")
     up.add_argument("--port", type=int, help="port to listen on; 0 takes a free one")
+    up.add_argument("--service", action="append", help="start a worker for this service only; may be given repeatedly")
     up.add_argument("--once", action="store_true", help="stop as soon as everything is ready: a trial")
     up.set_defaults(action=_up)
 
@@ -89,9 +90,14 @@ def _reaper(_options: argparse.Namespace) -> int:
 
 
 def _up(options: argparse.Namespace) -> int:
-    from shapery_worker.supervisor.supervisor import Supervisor
+    from shapery_worker.supervisor.supervisor import Supervisor, all_services
 
     settings = _load(home=options.home, host=options.host, port=options.port)
+    unknown = sorted(set(options.service or ()) - set(all_services()))
+    if unknown:
+        raise InvalidInput(
+            "bad_request", f"There is no service {unknown[0]!r}.", f"Services: {', '.join(all_services())}."
+        )
     settings.home.mkdir(parents=True, exist_ok=True)
     logs = settings.home / "logs"
     logs.mkdir(exist_ok=True)
@@ -102,7 +108,7 @@ def _up(options: argparse.Namespace) -> int:
     file = RotatingFileHandler(logs / "supervisor.log", maxBytes=1_000_000, backupCount=2, encoding="utf-8")
     file.setFormatter(logging.Formatter(FORMAT))
     root.addHandler(file)
-    return Supervisor(settings, announce=_announce).run(once=options.once)
+    return Supervisor(settings, services=options.service, announce=_announce).run(once=options.once)
 
 
 def _announce(line: str) -> None:

@@ -15,7 +15,7 @@ import signal
 import socket
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -47,6 +47,8 @@ class Supervisor:
     settings
         Where the platform keeps its things and which address it serves; port 0 takes a free one. Plugins have been
         loaded.
+    services
+        Which services get a worker; none: all.
     announce
         Called with each line that the user shall see.
     """
@@ -55,11 +57,11 @@ class Supervisor:
         self,
         settings: Settings,
         *,
+        services: Sequence[str] | None = None,
         announce: Callable[[str], None] = print,
     ) -> None:
         self._settings = settings
-        # Those of plugins too: whoever registers a kind with a service of its own gets a worker for it.
-        self._services = list(dict.fromkeys([*SERVICES, *(kind.service for kind in JOB_KINDS.values())]))
+        self._services = all_services() if services is None else services
         self._announce = announce
         self._port = settings.port
         self._processes: list[SupervisedProcess] = []
@@ -253,6 +255,11 @@ class Supervisor:
         for process in self._processes:
             process.close()
         logger.info("stopped within %.1f s", time.monotonic() - began)
+
+
+def all_services() -> list[str]:
+    """Return our services and those of plugins: whoever registers a kind with its own service gets a worker for it."""
+    return list(dict.fromkeys([*SERVICES, *(kind.service for kind in JOB_KINDS.values())]))
 
 
 def choose_port(host: str, port: int) -> int:
