@@ -5,20 +5,17 @@
 import numpy as np
 from numba import njit
 
-from shapery_segmentation.mesh._contact_kernels import dot, inner
-from shapery_segmentation.mesh._grid_kernels import normal, point
+from shapery_segmentation.mesh._cells_kernels import gather
+from shapery_segmentation.mesh._contact_kernels import dot, inner, subtract
+from shapery_segmentation.mesh._grid_kernels import corners, normal, point
 from shapery_segmentation.mesh._motion_kernels import MOVED
 from shapery_segmentation.mesh._operation_kernels import following, origin, preceding, twin
 from shapery_segmentation.mesh.arrays import (
-    AFTER,
     AREA,
     CREATED,
-    INVERSE_CELL,
-    MASK,
     OUT,
     RELINKED,
     SCALE,
-    SHIFT,
     TOUCHED,
     UNTOUCHED,
     VERTEX_TOP,
@@ -104,41 +101,25 @@ def _speed(field, allowed, inverse, model, threshold, balloon, p, n, length):
 
 
 @inner
-def _obstacle(m, v, p, n, here, front, rear, opposed):
+def _obstacle(m, start, spheres, names, v, p, n, here, front, rear, opposed, found):
     """Return whether another part of the surface is near the point `p` to which `v` would move, and which face.
 
     A face counts if its normal has a product below `opposed` with `n`, it is no face of `v`, the way brings `v` nearer
     to its centroid, and that lies within `front` ahead of `p` or within `rear` behind it.
     """
-    inverse = m.bound[INVERSE_CELL]
-    reach = max(front, rear)
-    mx, my, mz = m.layout[MASK], m.layout[MASK + 1], m.layout[MASK + 2]
-    x0, x1 = np.int64(np.floor((p[0] - reach) * inverse)), np.int64(np.floor((p[0] + reach) * inverse))
-    y0, y1 = np.int64(np.floor((p[1] - reach) * inverse)), np.int64(np.floor((p[1] + reach) * inverse))
-    z0, z1 = np.int64(np.floor((p[2] - reach) * inverse)), np.int64(np.floor((p[2] + reach) * inverse))
-    x1, y1, z1 = min(x1, x0 + mx), min(y1, y0 + my), min(z1, z0 + mz)
-    for x in range(x0, x1 + 1):
-        for y in range(y0, y1 + 1):
-            row = ((x & mx) << m.layout[SHIFT]) | ((y & my) << m.layout[SHIFT + 1])
-            for z in range(z0, z1 + 1):
-                g = np.int64(m.head[row | (z & mz)])
-                while g >= 0:
-                    if dot(n, normal(m, g)) < opposed:
-                        dx, dy, dz = m.facets[g, 0] - p[0], m.facets[g, 1] - p[1], m.facets[g, 2] - p[2]
-                        squared = dx * dx + dy * dy + dz * dz
-                        if squared < reach * reach:
-                            along = dx * n[0] + dy * n[1] + dz * n[2]
-                            limit = front if along >= 0.0 else rear
-                            ex, ey, ez = m.facets[g, 0] - here[0], m.facets[g, 1] - here[1], m.facets[g, 2] - here[2]
-                            if (
-                                squared < limit * limit
-                                and squared < ex * ex + ey * ey + ez * ez
-                                and origin(m, 3 * g) != v
-                                and origin(m, 3 * g + 1) != v
-                                and origin(m, 3 * g + 2) != v
-                            ):
-                                return (AHEAD if along >= 0.0 else BEHIND), g
-                    g = np.int64(m.links[g, AFTER])
+    count = gather(m.layout, m.bound, start, spheres, names, p, max(front, rear), 0.0, found)
+    for i in range(count):
+        g = np.int64(found[i])
+        if dot(n, normal(m, g)) >= opposed:
+            continue
+        c = (np.float64(m.facets[g, 0]), np.float64(m.facets[g, 1]), np.float64(m.facets[g, 2]))
+        d, e = subtract(c, p), subtract(c, here)
+        along = dot(d, n)
+        limit = front if along >= 0.0 else rear
+        if dot(d, d) < limit * limit and dot(d, d) < dot(e, e):
+            a, b, c2 = corners(m, g)
+            if v not in (a, b, c2):
+                return (AHEAD if along >= 0.0 else BEHIND), g
     return NOTHING, np.int64(-1)
 
 
@@ -186,8 +167,8 @@ def adopt_touched(m, state, counter):
 
 @njit(cache=True, nogil=True)
 def propose(
-    m, state, counter, field, allowed, inverse, model, threshold, balloon, length, step, bend, slide, aging,
-    front, rear, opposed, patience, target, movers,
+    m, start, spheres, names, state, counter, field, allowed, inverse, model, threshold, balloon, length, step, bend,
+    slide, aging, front, rear, opposed, patience, target, movers,
 ):  # fmt: skip
     """Compute where the awake vertices would go.
 
@@ -197,15 +178,16 @@ def propose(
         Number of movers written to `movers`, their targets to `target`.
     """
     count = 0
+    found = np.empty(m.links.shape[0], dtype=np.int32)
     for v in range(m.layout[VERTEX_TOP]):
-        start = m.vertices[v, OUT]
-        if start < 0 or counter[v, MODE] != AWAKE:
+        first = np.int64(m.vertices[v, OUT])
+        if first < 0 or counter[v, MODE] != AWAKE:
             continue
         here = point(m, v)
         nx = ny = nz = 0.0
         ux = uy = uz = 0.0
         degree = 0
-        h = np.int64(start)
+        h = first
         while True:
             f = h // 3
             w = m.facets[f, AREA]
@@ -219,7 +201,7 @@ def propose(
             uz += q[2]
             degree += 1
             h = twin(m, preceding(h))
-            if h == start:
+            if h == first:
                 break
         size = np.sqrt(nx * nx + ny * ny + nz * nz)
         if size == 0.0:
@@ -266,7 +248,7 @@ def propose(
         dy = forward * n[1] + slide * (uy - along * n[1])
         dz = forward * n[2] + slide * (uz - along * n[2])
         p = (here[0] + dx, here[1] + dy, here[2] + dz)
-        side, _ = _obstacle(m, v, p, n, here, front * local, rear * local, opposed)
+        side, _ = _obstacle(m, start, spheres, names, v, p, n, here, front * local, rear * local, opposed, found)
         if side != NOTHING:
             counter[v, BLOCKED] += 1
             counter[v, AGE] += 1

@@ -98,6 +98,7 @@ def normal_flow(
     gate = np.zeros((0, 0, 0), np.uint8) if allowed is None else np.ascontiguousarray(allowed).view(np.uint8)
     mesh = DynamicMesh(seed, p.edge_lengths[0])
     mesh.remesh(rounds=12)
+    mesh.compact()
     state = np.zeros((mesh.vertex_slots, kernels.STATE_COLUMNS))
     state[:, kernels.GAIN] = 1.0
     counter = np.zeros((mesh.vertex_slots, kernels.COUNTER_COLUMNS), dtype=np.int32)
@@ -110,13 +111,12 @@ def normal_flow(
     for number, length in enumerate(p.edge_lengths):
         if number:
             mesh.edge_length = length
-            mesh.rebuild_grid()
             mesh.remesh(rounds=4)
-            state, counter = _fitting(mesh, state, counter)
-            kernels.adopt_touched(mesh.arrays, state, counter)
-            kernels.wake_all(mesh.arrays, state, counter, True)
+            mesh.compact()
+            state, counter = _fitting(mesh, state[:0], counter[:0])
         first = iteration
         converged = False
+        stale = True
         target = np.zeros((mesh.vertex_slots, 3))
         old = np.zeros((mesh.vertex_slots, 3))
         moved = np.zeros(mesh.vertex_slots, dtype=np.int8)
@@ -129,17 +129,21 @@ def normal_flow(
                     if abs(tau - tau_slept) > 0.05:
                         kernels.wake_all(mesh.arrays, state, counter, True)
                         tau_slept = tau
+            if stale:
+                mesh.sort_cells()
+                stale = False
             count = kernels.propose(
-                mesh.arrays, state, counter, u, gate, inverse,
+                mesh.arrays, *mesh.cells, state, counter, u, gate, inverse,
                 kernels.THRESHOLD, tau, p.balloon, length, p.step, p.curvature_weight, p.tangential_weight,
                 p.aging_limit, p.front_gap, p.rear_gap, p.opposed, p.patience, target, movers,
             )  # fmt: skip
-            motion.move_vertices(mesh.arrays, movers[:count], target, old, moved, mesh.next_batch())
+            motion.move_vertices(mesh.arrays, *mesh.cells, movers[:count], target, old, moved, mesh.next_batch())
             awake = kernels.settle(mesh.arrays, state, counter, moved, movers, count, length, p.window, p.rest, p.stir)
             iteration += 1
             if iteration % p.remesh_interval == 0:
                 active = (counter[:, kernels.MODE] == kernels.AWAKE).astype(np.int8)
                 mesh.remesh(active)
+                stale = True
                 if mesh.vertex_slots > len(state):
                     state, counter = _fitting(mesh, state, counter)
                     target = np.zeros((mesh.vertex_slots, 3))

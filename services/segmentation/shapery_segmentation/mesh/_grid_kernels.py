@@ -9,13 +9,14 @@ far away in the same cell costs a distance test and nothing else. Its size follo
 import numpy as np
 from numba import njit
 
-from shapery_segmentation.mesh._contact_kernels import dot, inner, subtract, touching
+from shapery_segmentation.mesh._contact_kernels import dot, inlined, inner, subtract, touching
 from shapery_segmentation.mesh.arrays import (
     AFTER,
     AREA,
     BEFORE,
     CELL,
     CLEARANCE,
+    CORNER,
     FACE_TOP,
     INVERSE_CELL,
     LARGEST_RADIUS,
@@ -25,8 +26,10 @@ from shapery_segmentation.mesh.arrays import (
     RADIUS,
     SHIFT,
     SKIP,
-    STAMP,
 )
+
+SINGLE = 1.2e-7
+"""Relative rounding error of a float32, with a margin."""
 
 OPEN_FOLD = -0.999
 """Faces over one edge whose normals have a larger product than this cannot be folded onto each other."""
@@ -40,23 +43,21 @@ def point(m, v):
 
 @inner
 def corners(m, f):
-    """Return the numbers of the vertices of face `f`."""
-    return (
-        np.int64(m.half_edges[3 * f, ORIGIN]),
-        np.int64(m.half_edges[3 * f + 1, ORIGIN]),
-        np.int64(m.half_edges[3 * f + 2, ORIGIN]),
-    )
+    """Return the numbers of the vertices of face `f` as last measured."""
+    return np.int64(m.links[f, CORNER]), np.int64(m.links[f, CORNER + 1]), np.int64(m.links[f, CORNER + 2])
 
 
 @inner
 def normal(m, f):
     """Return the unit normal of face `f` as last measured."""
-    return m.facets[f, NORMAL], m.facets[f, NORMAL + 1], m.facets[f, NORMAL + 2]
+    return np.float64(m.facets[f, NORMAL]), np.float64(m.facets[f, NORMAL + 1]), np.float64(m.facets[f, NORMAL + 2])
 
 
 @inner
 def measure_face(m, f):
-    """Compute centroid, radius, normal and area of face `f` from the positions."""
+    """Compute what is stored of face `f` from its half-edges and positions."""
+    for k in range(3):
+        m.links[f, CORNER + k] = m.half_edges[3 * f + k, ORIGIN]
     i, j, k = corners(m, f)
     ax, ay, az = point(m, i)
     bx, by, bz = point(m, j)
@@ -65,7 +66,8 @@ def measure_face(m, f):
     ra = (ax - gx) ** 2 + (ay - gy) ** 2 + (az - gz) ** 2
     rb = (bx - gx) ** 2 + (by - gy) ** 2 + (bz - gz) ** 2
     rc = (cx - gx) ** 2 + (cy - gy) ** 2 + (cz - gz) ** 2
-    radius = np.sqrt(max(ra, rb, rc))
+    # In single precision the centroid moves a little; the sphere still has to hold the face.
+    radius = np.sqrt(max(ra, rb, rc)) + SINGLE * (abs(gx) + abs(gy) + abs(gz))
     ux, uy, uz = bx - ax, by - ay, bz - az
     vx, vy, vz = cx - ax, cy - ay, cz - az
     nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
@@ -120,8 +122,16 @@ def link_face(m, f):
 
 
 @njit(cache=True, nogil=True)
+def measure_all(m):
+    """Measure all faces."""
+    for f in range(m.layout[FACE_TOP]):
+        if m.half_edges[3 * f, ORIGIN] >= 0:
+            measure_face(m, f)
+
+
+@njit(cache=True, nogil=True)
 def build_grid(m):
-    """Measure all faces and put them into the grid, whose cells the caller has emptied and sized."""
+    """Put all faces into the grid, whose cells the caller has sized and emptied."""
     m.bound[LARGEST_RADIUS] = 0.0
     for f in range(m.layout[FACE_TOP]):
         m.links[f, CELL] = -1
@@ -130,13 +140,13 @@ def build_grid(m):
             link_face(m, f)
 
 
-@inner
-def _apart_at_once(m, ids, p, n, level, g):
+@inlined
+def _apart_at_once(m, ids, p, n, g, gap):
     """Return whether the plane of either face tells at once that they do not touch; most pairs end here."""
-    gap = m.bound[CLEARANCE]
     other = normal(m, g)
     i0, i1, i2 = ids
     j0, j1, j2 = corners(m, g)
+    level = dot(n, p[0])
     shared = 0
     above = 0
     below = 0
@@ -151,11 +161,11 @@ def _apart_at_once(m, ids, p, n, level, g):
         return shared == 2 and dot(n, other) > OPEN_FOLD
     if above + shared == 3 or below + shared == 3:
         return True
-    level = other[0] * m.facets[g, 0] + other[1] * m.facets[g, 1] + other[2] * m.facets[g, 2]
+    level = dot(other, point(m, j0))
     above = 0
     below = 0
     for k in range(3):
-        if ids[k] != j0 and ids[k] != j1 and ids[k] != j2:
+        if ids[k] not in (j0, j1, j2):
             s = dot(other, p[k]) - level
             above += s > gap
             below += s < -gap
@@ -163,41 +173,67 @@ def _apart_at_once(m, ids, p, n, level, g):
 
 
 @inner
-def first_contact(m, ids, p, n, own, batch):
-    """Return a face of the mesh that a given face touches, or −1.
-
-    Parameters
-    ----------
-    m : MeshArrays
-    ids
-        The face's vertices.
-    p
-        Its corners.
-    n
-        Its unit normal.
-    own : int
-        Its number, if it is in the mesh; else −1.
-    batch : int
-        If positive: faces below `own` that carry this stamp are left out, because they are tested against this one.
-    """
-    c = (
-        (p[0][0] + p[1][0] + p[2][0]) / 3.0,
-        (p[0][1] + p[1][1] + p[2][1]) / 3.0,
-        (p[0][2] + p[1][2] + p[2][2]) / 3.0,
+def _patch_face(patch_ids, patch, row):
+    """Return vertices, corners and normal of a row of the patch."""
+    return (
+        (np.int64(patch_ids[row, 0]), np.int64(patch_ids[row, 1]), np.int64(patch_ids[row, 2])),
+        (
+            (patch[row, 0], patch[row, 1], patch[row, 2]),
+            (patch[row, 3], patch[row, 4], patch[row, 5]),
+            (patch[row, 6], patch[row, 7], patch[row, 8]),
+        ),
+        (patch[row, 9], patch[row, 10], patch[row, 11]),
     )
-    radius = 0.0
-    for k in range(3):
-        d = subtract(p[k], c)
-        radius = max(radius, dot(d, d))
-    radius = np.sqrt(radius) + m.bound[CLEARANCE]
-    level = dot(n, c)
-    reach = radius + m.bound[LARGEST_RADIUS]
+
+
+@inner
+def _patch_touches(m, size, g, gap):
+    """Return whether a face of the patch touches face `g` of the mesh."""
+    c = (np.float64(m.facets[g, 0]), np.float64(m.facets[g, 1]), np.float64(m.facets[g, 2]))
+    radius = m.facets[g, RADIUS] + gap
+    for row in range(size):
+        ids, p, n = _patch_face(m.patch_ids, m.patch, row)
+        # The face lies within its longest edge from its first corner.
+        u, v, d = subtract(p[1], p[0]), subtract(p[2], p[0]), subtract(c, p[0])
+        far = np.sqrt(max(dot(u, u), dot(v, v))) + radius
+        if dot(d, d) > far * far or _apart_at_once(m, ids, p, n, g, gap):
+            continue
+        other = corners(m, g)
+        q = (point(m, other[0]), point(m, other[1]), point(m, other[2]))
+        if touching(ids, p, n, other, q, normal(m, g), gap):
+            return True
+    return False
+
+
+@inner
+def patch_is_clear(m, size):
+    """Return whether the faces in the first `size` rows of the patch touch neither each other nor the mesh."""
+    gap = m.bound[CLEARANCE]
+    for i in range(size):
+        ids, p, n = _patch_face(m.patch_ids, m.patch, i)
+        if n[0] == 0.0 and n[1] == 0.0 and n[2] == 0.0:
+            return False
+        for j in range(i):
+            other, q, k = _patch_face(m.patch_ids, m.patch, j)
+            if touching(ids, p, n, other, q, k, gap):
+                return False
+    # One search for all: in the box around the patch, wider by what a face can reach from its centroid.
+    reach = m.bound[LARGEST_RADIUS] + gap
     inverse = m.bound[INVERSE_CELL]
+    low0 = low1 = low2 = np.inf
+    high0 = high1 = high2 = -np.inf
+    for i in range(size):
+        for k in range(3):
+            low0, high0 = min(low0, m.patch[i, 3 * k]), max(high0, m.patch[i, 3 * k])
+            low1, high1 = min(low1, m.patch[i, 3 * k + 1]), max(high1, m.patch[i, 3 * k + 1])
+            low2, high2 = min(low2, m.patch[i, 3 * k + 2]), max(high2, m.patch[i, 3 * k + 2])
+    low0, low1, low2 = low0 - reach, low1 - reach, low2 - reach
+    high0, high1, high2 = high0 + reach, high1 + reach, high2 + reach
     mx, my, mz = m.layout[MASK], m.layout[MASK + 1], m.layout[MASK + 2]
-    x0, x1 = np.int64(np.floor((c[0] - reach) * inverse)), np.int64(np.floor((c[0] + reach) * inverse))
-    y0, y1 = np.int64(np.floor((c[1] - reach) * inverse)), np.int64(np.floor((c[1] + reach) * inverse))
-    z0, z1 = np.int64(np.floor((c[2] - reach) * inverse)), np.int64(np.floor((c[2] + reach) * inverse))
-    # Where the reach exceeds the period, every cell is visited once.
+    x0, x1 = np.int64(np.floor(low0 * inverse)), np.int64(np.floor(high0 * inverse))
+    y0, y1 = np.int64(np.floor(low1 * inverse)), np.int64(np.floor(high1 * inverse))
+    z0, z1 = np.int64(np.floor(low2 * inverse)), np.int64(np.floor(high2 * inverse))
+    # Where the box exceeds the period, every cell is visited once.
     x1, y1, z1 = min(x1, x0 + mx), min(y1, y0 + my), min(z1, z0 + mz)
     for x in range(x0, x1 + 1):
         for y in range(y0, y1 + 1):
@@ -205,69 +241,13 @@ def first_contact(m, ids, p, n, own, batch):
             for z in range(z0, z1 + 1):
                 g = np.int64(m.head[row | (z & mz)])
                 while g >= 0:
-                    dx, dy, dz = m.facets[g, 0] - c[0], m.facets[g, 1] - c[1], m.facets[g, 2] - c[2]
-                    near = radius + m.facets[g, RADIUS]
                     if (
-                        dx * dx + dy * dy + dz * dz <= near * near
-                        and g != own
+                        low0 <= m.facets[g, 0] <= high0
+                        and low1 <= m.facets[g, 1] <= high1
+                        and low2 <= m.facets[g, 2] <= high2
                         and m.links[g, SKIP] == 0
-                        and not (batch > 0 and g < own and m.links[g, STAMP] == batch)
-                        and not _apart_at_once(m, ids, p, n, level, g)
+                        and _patch_touches(m, size, g, gap)
                     ):
-                        ids_g = corners(m, g)
-                        q = (point(m, ids_g[0]), point(m, ids_g[1]), point(m, ids_g[2]))
-                        if touching(ids, p, n, ids_g, q, normal(m, g), m.bound[CLEARANCE]):
-                            return g
+                        return False
                     g = np.int64(m.links[g, AFTER])
-    return -1
-
-
-@inner
-def face_contact(m, f, batch):
-    """Return a face that face `f` of the mesh touches, or −1."""
-    ids = corners(m, f)
-    p = (point(m, ids[0]), point(m, ids[1]), point(m, ids[2]))
-    return first_contact(m, ids, p, normal(m, f), f, batch)
-
-
-@njit(cache=True, nogil=True)
-def count_contacts(m, batch):
-    """Return how many faces touch a face with a higher number; `batch` is a stamp that no face carries yet."""
-    found = 0
-    for f in range(m.layout[FACE_TOP]):
-        m.links[f, STAMP] = batch
-    for f in range(m.layout[FACE_TOP]):
-        if m.half_edges[3 * f, ORIGIN] >= 0 and face_contact(m, f, batch) >= 0:
-            found += 1
-    return found
-
-
-@inner
-def patch_is_clear(m, size):
-    """Return whether the faces in the first `size` rows of the patch touch neither each other nor the mesh."""
-    for i in range(size):
-        ids, p, n = _patch_face(m, i)
-        if n[0] == 0.0 and n[1] == 0.0 and n[2] == 0.0:
-            return False
-        if first_contact(m, ids, p, n, -1, 0) >= 0:
-            return False
-        for j in range(i):
-            other_ids, q, other = _patch_face(m, j)
-            if touching(ids, p, n, other_ids, q, other, m.bound[CLEARANCE]):
-                return False
     return True
-
-
-@inner
-def _patch_face(m, row):
-    """Return vertices, corners and normal of a row of the patch."""
-    a, b = m.patch_ids, m.patch
-    return (
-        (np.int64(a[row, 0]), np.int64(a[row, 1]), np.int64(a[row, 2])),
-        (
-            (b[row, 0], b[row, 1], b[row, 2]),
-            (b[row, 3], b[row, 4], b[row, 5]),
-            (b[row, 6], b[row, 7], b[row, 8]),
-        ),
-        (b[row, 9], b[row, 10], b[row, 11]),
-    )

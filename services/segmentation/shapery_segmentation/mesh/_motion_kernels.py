@@ -1,14 +1,18 @@
-"""Moving many vertices at once, with a check of every face that moved and rollback where it would touch another."""
+"""Moving many vertices at once, with a check of everything that moved and rollback where something would touch.
+
+Two faces that share a vertex are checked through the star of that vertex, all others pair by pair.
+"""
 
 # mypy: allow-untyped-defs, allow-untyped-calls
 
 import numpy as np
 from numba import njit
 
-from shapery_segmentation.mesh._contact_kernels import dot, inner
-from shapery_segmentation.mesh._grid_kernels import face_contact, link_face, measure_face, normal
-from shapery_segmentation.mesh._operation_kernels import compactness, origin, preceding, twin
-from shapery_segmentation.mesh.arrays import AREA, FORMER, NORMAL, OUT, STAMP
+from shapery_segmentation.mesh._cells_kernels import gather, sort_faces
+from shapery_segmentation.mesh._contact_kernels import cross, dot, inlined, inner, subtract, touching
+from shapery_segmentation.mesh._grid_kernels import corners, measure_face, normal, point
+from shapery_segmentation.mesh._operation_kernels import compactness, following, origin, preceding, twin
+from shapery_segmentation.mesh.arrays import AREA, CLEARANCE, FACE_TOP, NORMAL, ORIGIN, OUT, STAMP
 
 LEAST_TURN = 0.2
 """Least product of the normals of a face before and after one move."""
@@ -16,8 +20,101 @@ LEAST_TURN = 0.2
 LEAST_SHAPE = 0.02
 """Least compactness that a move may give to a face, unless it had less before."""
 
+LEAST_TILT = 0.25
+"""A star whose faces all have at least this product with the mean of their normals is a graph over their plane."""
+
 MOVED = 1
 RETURNED = 2
+
+
+@inner
+def _is_graph(m, v):
+    """Return whether the star of `v` certainly projects one to one onto the plane across its mean normal.
+
+    Then no two of its faces have more in common than they share. Every face must look the way of the mean, so that the
+    projected star turns around `v` in one sense; and it must turn once: on the way around from the first neighbour
+    nothing comes back to that neighbour's left side after it has been on its right.
+    """
+    nx = ny = nz = 0.0
+    start = np.int64(m.vertices[v, OUT])
+    h = start
+    while True:
+        f = h // 3
+        w = np.float64(m.facets[f, AREA])
+        n = normal(m, f)
+        nx += w * n[0]
+        ny += w * n[1]
+        nz += w * n[2]
+        h = twin(m, preceding(h))
+        if h == start:
+            break
+    mean = (nx, ny, nz)
+    least = LEAST_TILT * np.sqrt(dot(mean, mean))
+    if least == 0.0:
+        return False
+    o = point(m, v)
+    across = cross(mean, subtract(point(m, origin(m, following(start))), o))
+    right = False
+    while True:
+        if dot(normal(m, h // 3), mean) < least:
+            return False
+        h = twin(m, preceding(h))
+        if h == start:
+            return True
+        side = dot(across, subtract(point(m, origin(m, following(h))), o))
+        if right and side >= 0.0:
+            return False
+        right = side < 0.0
+
+
+@inner
+def triangle(m, f):
+    """Return the corners of face `f`."""
+    a, b, c = corners(m, f)
+    return point(m, a), point(m, b), point(m, c)
+
+
+@inner
+def faces_touch(m, f, g):
+    """Return whether two faces of the mesh have more in common than they share."""
+    return touching(
+        corners(m, f), triangle(m, f), normal(m, f), corners(m, g), triangle(m, g), normal(m, g), m.bound[CLEARANCE]
+    )
+
+
+@inlined
+def _beyond_plane(points, n, o, a, b, c, gap):
+    """Return whether vertices a, b and c lie on one side of the plane with normal `n` through vertex `o`."""
+    level = n[0] * points[o, 0] + n[1] * points[o, 1] + n[2] * points[o, 2]
+    s = n[0] * points[a, 0] + n[1] * points[a, 1] + n[2] * points[a, 2] - level
+    t = n[0] * points[b, 0] + n[1] * points[b, 1] + n[2] * points[b, 2] - level
+    u = n[0] * points[c, 0] + n[1] * points[c, 1] + n[2] * points[c, 2] - level
+    return (s > gap and t > gap and u > gap) or (s < -gap and t < -gap and u < -gap)
+
+
+@inner
+def _contact(m, start, spheres, names, f, slack, batch, found):
+    """Return a face that touches face `f` and shares no vertex with it, or −1.
+
+    Faces below `f` with the stamp `batch`, if that is positive, are left out: they are tested against `f`.
+    """
+    c = (np.float64(m.facets[f, 0]), np.float64(m.facets[f, 1]), np.float64(m.facets[f, 2]))
+    n = gather(m.layout, m.bound, start, spheres, names, c, m.facets[f, 3] + slack + m.bound[CLEARANCE], 1.0, found)
+    i0, i1, i2 = corners(m, f)
+    gap = m.bound[CLEARANCE]
+    own = normal(m, f)
+    for i in range(n):
+        g = np.int64(found[i])
+        if g == f or (batch > 0 and g < f and m.links[g, STAMP] == batch):
+            continue
+        j0, j1, j2 = corners(m, g)
+        if i0 in (j0, j1, j2) or i1 in (j0, j1, j2) or i2 in (j0, j1, j2):
+            continue
+        if _beyond_plane(m.points, own, i0, j0, j1, j2, gap):
+            continue
+        if not _beyond_plane(m.points, normal(m, g), j0, i0, i1, i2, gap) and faces_touch(m, f, g):
+            return g
+    return np.int64(-1)
 
 
 @inner
@@ -33,7 +130,6 @@ def _put_back(m, f, state, old, queue, size):
             h = start
             while True:
                 measure_face(m, h // 3)
-                link_face(m, h // 3)
                 h = twin(m, preceding(h))
                 if h == start:
                     break
@@ -46,18 +142,39 @@ def _put_back(m, f, state, old, queue, size):
 def _spoiled(m, f):
     """Return whether face `f` turned or thinned too much since it was last at rest."""
     g = m.facets
-    area = g[f, FORMER + 3]
-    turn = dot((g[f, FORMER], g[f, FORMER + 1], g[f, FORMER + 2]), normal(m, f))
+    area = m.former[f, 3]
+    turn = dot((m.former[f, 0], m.former[f, 1], m.former[f, 2]), normal(m, f))
     return (area > 0.0 and turn < LEAST_TURN) or (g[f, AREA] < area and compactness(m, f) < LEAST_SHAPE)
 
 
+@inner
+def _mend_star(m, v, state, old, queue, size):
+    """Put back the movers of faces around `v` that touch each other; return the new length of the queue."""
+    if _is_graph(m, v):
+        return size
+    start = np.int64(m.vertices[v, OUT])
+    h = start
+    while True:
+        k = twin(m, preceding(h))
+        while k != start:
+            if faces_touch(m, h // 3, k // 3):
+                size = _put_back(m, h // 3, state, old, queue, size)
+                size = _put_back(m, k // 3, state, old, queue, size)
+            k = twin(m, preceding(k))
+        h = twin(m, preceding(h))
+        if h == start:
+            return size
+
+
 @njit(cache=True, nogil=True)
-def move_vertices(m, movers, target, old, state, batch):
+def move_vertices(m, start, spheres, names, movers, target, old, state, batch):
     """Move vertices to their targets, except where a face would turn over, degenerate or touch another.
 
     Parameters
     ----------
     m : MeshArrays
+    start, spheres, names
+        Room for `sort_into_cells`; afterwards faces may have left the spheres noted here by the longest way back.
     movers : (n,) int32
         The vertices to move, each once.
     target : (V, 3) float64
@@ -65,7 +182,7 @@ def move_vertices(m, movers, target, old, state, batch):
     old : (V, 3) float64
         Receives the positions before, for the movers.
     state : (V,) int8
-        Is `MOVED` or `RETURNED` for the movers afterwards.
+        Is `MOVED` or `RETURNED` for the movers afterwards; zero for all others before and after.
     batch : int
         A positive stamp that no face carries yet.
 
@@ -76,64 +193,109 @@ def move_vertices(m, movers, target, old, state, batch):
 
     Notes
     -----
-    All vertices move first. Then every face of a mover is tested against the faces around it; where two touch, the
-    movers of both go back, and the faces around these are tested again, until nothing touches. Vertices only ever go
-    back, so this ends, in the worst case in the state before the call, which was free of contacts.
+    All vertices move first. Then every star and every face that changed is tested; where two faces touch, the movers of
+    both go back, and what is around these is tested again, until nothing touches. Vertices only ever go back, so this
+    ends, in the worst case in the state before the call, which was free of contacts.
     """
     n = movers.shape[0]
+    slack = 0.0
     for i in range(n):
         v = movers[i]
         state[v] = MOVED
+        way = 0.0
         for axis in range(3):
             old[v, axis] = m.points[v, axis]
             m.points[v, axis] = np.float64(np.float32(target[v, axis]))
+            way += (m.points[v, axis] - old[v, axis]) ** 2
+        slack = max(slack, way)
+    slack = np.sqrt(slack)
     faces = np.empty(m.links.shape[0], dtype=np.int32)
+    found = np.empty(m.links.shape[0], dtype=np.int32)
     count = 0
     for i in range(n):
-        start = m.vertices[movers[i], OUT]
-        h = start
+        first = np.int64(m.vertices[movers[i], OUT])
+        h = first
         while True:
             f = h // 3
             if m.links[f, STAMP] != batch:
                 m.links[f, STAMP] = batch
                 faces[count] = f
                 count += 1
+                for axis in range(4):
+                    m.former[f, axis] = m.facets[f, NORMAL + axis]
+                measure_face(m, f)
             h = twin(m, preceding(h))
-            if h == start:
+            if h == first:
                 break
-    for i in range(count):
-        f = faces[i]
-        for axis in range(4):
-            m.facets[f, FORMER + axis] = m.facets[f, NORMAL + axis]
-        measure_face(m, f)
-        link_face(m, f)
+
+    sort_faces(m, start, spheres, names)
 
     queue = np.empty(n, dtype=np.int32)
     size = 0
     for i in range(count):
-        f = faces[i]
+        f = np.int64(faces[i])
         if _spoiled(m, f):
             size = _put_back(m, f, state, old, queue, size)
         else:
-            g = face_contact(m, f, batch)
+            # Faces that have been put back are elsewhere than they were sorted; until then nothing is.
+            g = _contact(m, start, spheres, names, f, slack if size > 0 else 0.0, batch, found)
             if g >= 0:
                 size = _put_back(m, f, state, old, queue, size)
                 size = _put_back(m, g, state, old, queue, size)
+    for i in range(count):
+        # Each changed star is met from the half-edges that leave its centre; one of them is the one noted for it.
+        for k in range(3):
+            h = 3 * np.int64(faces[i]) + k
+            v = origin(m, h)
+            first = np.int64(m.vertices[v, OUT])
+            if h == first or (m.links[first // 3, STAMP] != batch and _first_stamped(m, first, batch) == h):
+                size = _mend_star(m, v, state, old, queue, size)
     done = 0
     while done < size:
-        start = m.vertices[queue[done], OUT]
-        h = start
+        v = np.int64(queue[done])
+        done += 1
+        first = np.int64(m.vertices[v, OUT])
+        h = first
         while True:
             f = h // 3
             if _spoiled(m, f):
                 size = _put_back(m, f, state, old, queue, size)
             else:
-                g = face_contact(m, f, 0)
+                g = _contact(m, start, spheres, names, f, slack, 0, found)
                 if g >= 0:
                     size = _put_back(m, f, state, old, queue, size)
                     size = _put_back(m, g, state, old, queue, size)
+            size = _mend_star(m, origin(m, following(h)), state, old, queue, size)
             h = twin(m, preceding(h))
-            if h == start:
+            if h == first:
                 break
-        done += 1
+        size = _mend_star(m, v, state, old, queue, size)
     return size
+
+
+@inner
+def _first_stamped(m, first, batch):
+    """Return the first half-edge, around the vertex at which `first` starts, of a face with the stamp."""
+    h = first
+    while m.links[h // 3, STAMP] != batch:
+        h = twin(m, preceding(h))
+        if h == first:
+            break
+    return h
+
+
+@njit(cache=True, nogil=True)
+def count_contacts(m, start, spheres, names):
+    """Return how many faces touch a face with a higher number: every pair is tested, no star is taken for sound."""
+    found = np.empty(m.links.shape[0], dtype=np.int32)
+    total = 0
+    for f in range(m.layout[FACE_TOP]):
+        if m.half_edges[3 * f, ORIGIN] < 0:
+            continue
+        c = (np.float64(m.facets[f, 0]), np.float64(m.facets[f, 1]), np.float64(m.facets[f, 2]))
+        n = gather(m.layout, m.bound, start, spheres, names, c, m.facets[f, 3] + m.bound[CLEARANCE], 1.0, found)
+        for i in range(n):
+            if found[i] > f and faces_touch(m, f, np.int64(found[i])):
+                total += 1
+                break
+    return total

@@ -21,6 +21,7 @@ from shapery_segmentation.mesh._grid_kernels import (
 )
 from shapery_segmentation.mesh.arrays import (
     AREA,
+    CORNER,
     CREATED,
     FACE_COUNT,
     FACE_TOP,
@@ -207,6 +208,7 @@ def _drop_face(m, f):
     for k in range(3):
         m.half_edges[3 * f + k, ORIGIN] = -1
         m.half_edges[3 * f + k, TWIN] = -1
+    m.links[f, CORNER] = -1
     m.half_edges[3 * f, ORIGIN] = -2 - m.layout[FREE_FACE]
     m.layout[FREE_FACE] = f
     m.layout[FACE_COUNT] -= 1

@@ -23,9 +23,11 @@ from shapery_segmentation.mesh.arrays import (
     AREA,
     FACE_TOP,
     NORMAL,
+    ORIGIN,
     OUT,
     SCALE,
     TOUCHED,
+    TWIN,
 )
 
 DELAUNAY_SLACK = 0.05
@@ -210,15 +212,56 @@ def signed_volume(m):
 
 
 @njit(cache=True, nogil=True)
-def edge_statistics(m):
-    """Return the number of edges, their mean length and the longest."""
-    n = 0
-    total = 0.0
-    longest = 0.0
-    for h in range(3 * m.layout[FACE_TOP]):
-        if twin(m, h) > h:
-            length = np.sqrt(squared_length(m, origin(m, h), origin(m, twin(m, h))))
+def link_twins(m, vertices, faces):
+    """Find the twin of every half-edge, and one half-edge that leaves every vertex, from the origins.
+
+    Parameters
+    ----------
+    m : MeshArrays
+    vertices, faces : int
+        Slots to look at, all in use.
+
+    Returns
+    -------
+    int
+        Half-edges without exactly one that runs the other way, or whose like occurs twice; if there are none, minus the
+        number of vertices whose faces form more than one fan. 0 for a closed, oriented manifold.
+    """
+    first = np.zeros(vertices + 1, dtype=np.int64)
+    for h in range(3 * faces):
+        first[m.half_edges[h, ORIGIN] + 1] += 1
+    for v in range(vertices):
+        first[v + 1] += first[v]
+    leaving = np.empty(3 * faces, dtype=np.int32)
+    fill = first[:-1].copy()
+    for h in range(3 * faces):
+        v = m.half_edges[h, ORIGIN]
+        leaving[fill[v]] = h
+        fill[v] += 1
+    wrong = 0
+    for h in range(3 * faces):
+        u, v = origin(m, h), origin(m, following(h))
+        found = 0
+        for i in range(first[v], first[v + 1]):
+            t = np.int64(leaving[i])
+            if origin(m, following(t)) == u:
+                m.half_edges[h, TWIN] = t
+                found += 1
+        like = 0
+        for i in range(first[u], first[u + 1]):
+            like += origin(m, following(np.int64(leaving[i]))) == v
+        wrong += found != 1 or like != 1 or u == v
+    if wrong > 0:
+        return wrong
+    for v in range(vertices):
+        h = np.int64(leaving[first[v]])
+        m.vertices[v, OUT] = h
+        n = 0
+        start = h
+        while True:
             n += 1
-            total += length
-            longest = max(longest, length)
-    return n, total / max(n, 1), longest
+            h = twin(m, preceding(h))
+            if h == start:
+                break
+        wrong -= n != first[v + 1] - first[v]
+    return wrong

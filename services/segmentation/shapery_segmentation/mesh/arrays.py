@@ -34,16 +34,15 @@ TWIN: Final = 1
 RADIUS: Final = 3
 NORMAL: Final = 4
 AREA: Final = 7
-FORMER: Final = 8
-FACET_COLUMNS: Final = 12
 
-# Columns of `MeshArrays.links`.
-AFTER: Final = 0
-BEFORE: Final = 1
-CELL: Final = 2
-SKIP: Final = 3
-STAMP: Final = 4
-LINK_COLUMNS: Final = 5
+# Columns of `MeshArrays.links`, which is the same memory.
+AFTER: Final = 8
+BEFORE: Final = 9
+CELL: Final = 10
+SKIP: Final = 11
+STAMP: Final = 12
+CORNER: Final = 13
+RECORD: Final = 16
 
 # Entries of `MeshArrays.layout`.
 VERTEX_TOP: Final = 0
@@ -79,11 +78,15 @@ class MeshArrays(NamedTuple):
         operations did to it since that was last cleared.
     half_edges : (3F, 2) int32
         Vertex at which it starts, negative in a free face (the first one: ``−2 −`` the next free face); and its twin.
-    facets : (F, 12) float64
-        Centroid, radius about it, unit normal, area; normal and area before the current batch of moves.
-    links : (F, 5) int32
-        The next and the previous face in the same cell of the grid, and the cell (−1: none); 1 for a face that is about
-        to be replaced and is no obstacle; stamp of the batch of moves in which the face last took part.
+    facets : (F, 16) float32
+        Centroid, radius about it, unit normal, area: what a search for contacts reads of a face, in one cache line with
+        what `links` holds.
+    links : (F, 16) int32
+        The same memory. The next and the previous face in the same cell of the grid, and the cell (−1: none); 1 for a
+        face that is about to be replaced and is no obstacle; stamp of the batch of moves in which the face last took
+        part; its three vertices.
+    former : (F, 4) float32
+        Unit normal and area of the faces of the current batch of moves, before it.
     head : (C,) int32
         First face of each grid cell; −1 where it is empty.
     layout : (11,) int64
@@ -102,6 +105,7 @@ class MeshArrays(NamedTuple):
     half_edges: Array
     facets: Array
     links: Array
+    former: Array
     head: Array
     layout: Array
     bound: Array
@@ -111,12 +115,14 @@ class MeshArrays(NamedTuple):
 
 def allocate(vertex_slots: int, face_slots: int) -> MeshArrays:
     """Return empty arrays; the grid gets its cells when it is built."""
+    record = np.zeros((face_slots, RECORD), dtype=np.float32)
     arrays = MeshArrays(
         points=np.zeros((vertex_slots, 4)),
         vertices=np.full((vertex_slots, 2), -1, dtype=np.int32),
         half_edges=np.full((3 * face_slots, 2), -1, dtype=np.int32),
-        facets=np.zeros((face_slots, FACET_COLUMNS)),
-        links=np.full((face_slots, LINK_COLUMNS), -1, dtype=np.int32),
+        facets=record,
+        links=record.view(np.int32),
+        former=np.zeros((face_slots, 4), dtype=np.float32),
         head=np.full(1, -1, dtype=np.int32),
         layout=np.zeros(LAYOUT_ENTRIES, dtype=np.int64),
         bound=np.ones(BOUND_ENTRIES),
@@ -125,7 +131,7 @@ def allocate(vertex_slots: int, face_slots: int) -> MeshArrays:
     )
     arrays.points[:, SCALE] = 1.0
     arrays.vertices[:, TOUCHED] = UNTOUCHED
-    arrays.links[:, SKIP:] = 0
+    arrays.links[:, [AFTER, BEFORE, CELL, CORNER]] = -1
     arrays.layout[FREE_VERTEX] = arrays.layout[FREE_FACE] = -1
     return arrays
 
@@ -133,7 +139,7 @@ def allocate(vertex_slots: int, face_slots: int) -> MeshArrays:
 def grown(arrays: MeshArrays, vertex_slots: int, face_slots: int) -> MeshArrays:
     """Return larger arrays with the same content; indices keep their meaning."""
     larger = allocate(vertex_slots, face_slots)
-    for name in ("points", "vertices", "half_edges", "facets", "links"):
+    for name in ("points", "vertices", "half_edges", "links"):
         source = getattr(arrays, name)
         getattr(larger, name)[: len(source)] = source
     return larger._replace(head=arrays.head, layout=arrays.layout, bound=arrays.bound)

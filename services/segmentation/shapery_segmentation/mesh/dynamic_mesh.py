@@ -9,11 +9,14 @@ from numpy.typing import NDArray
 
 from shapery_contracts.errors import InvalidInput
 from shapery_geometry.mesh import TriangleMesh
+from shapery_segmentation.mesh import _cells_kernels as cells
 from shapery_segmentation.mesh import _grid_kernels as grid
 from shapery_segmentation.mesh import _motion_kernels as motion
 from shapery_segmentation.mesh import _remesh_kernels as passes
 from shapery_segmentation.mesh.arrays import (
+    AREA,
     CLEARANCE,
+    CORNER,
     FACE_COUNT,
     FACE_TOP,
     INVERSE_CELL,
@@ -22,7 +25,6 @@ from shapery_segmentation.mesh.arrays import (
     OUT,
     SHIFT,
     TOUCHED,
-    TWIN,
     UNTOUCHED,
     VERTEX_COUNT,
     VERTEX_TOP,
@@ -37,6 +39,12 @@ SPLIT_RATIO = 1.4
 COLLAPSE_RATIO = 0.6
 """An edge shorter than this multiple of its target is collapsed."""
 
+COARSENING = 1.7
+"""A mesh that is much too fine gets coarser by at most about this factor in one round: evenly, and the grid follows."""
+
+SETTLED = 1e-3
+"""Operations per face in one round of remeshing at which no other round is worth it."""
+
 LONGEST_RATIO = 1.35
 """A collapse makes no edge longer than this, or the next pass would split it again."""
 
@@ -47,14 +55,19 @@ CLEARANCE_SHARE = 1e-4
 LEAST_CLEARANCE = 1e-6
 """In mm."""
 
-CELL_RATIO = 0.8
-"""Size of the grid's cells in edge lengths."""
+CELL_RATIO = 1.2
+"""Size of the grid's cells in mean edge lengths."""
 
-LARGEST_GRID_BITS = 20
-"""Cells of the grid at the most, as a power of two; a larger region repeats (see `_grid_kernels`)."""
+CELLS_PER_FACE = 8
+"""Cells of the grid per face at the most; a larger region repeats (see `_grid_kernels`). More would be slower: they
+leave the cache."""
 
 LARGEST_PASSES = 24
 """Rounds of splitting at the most when a mesh is brought to a much shorter edge length."""
+
+
+Cells = tuple[NDArray[np.int32], NDArray[np.float32], NDArray[np.int32]]
+"""What `_cells_kernels.sort_into_cells` writes."""
 
 
 @dataclass(slots=True)
@@ -89,29 +102,68 @@ class DynamicMesh:
     def __init__(self, surface: TriangleMesh, edge_length: float) -> None:
         if not (np.isfinite(edge_length) and edge_length > 0):
             raise ValueError(f"the edge length must be positive, not {edge_length}")
-        _check_surface(surface)
-        used, inverse = np.unique(surface.faces, return_inverse=True)
-        faces = inverse.reshape(-1, 3).astype(np.int32)
-        n, m = len(used), len(faces)
-        arrays = allocate(2 * n + 256, 2 * m + 512)
-        arrays.points[:n, :3] = surface.vertices[used].astype(np.float32)
-        arrays.half_edges[: 3 * m, ORIGIN] = faces.ravel()
-        arrays.half_edges[: 3 * m, TWIN] = _twins(faces)
-        arrays.vertices[faces.ravel()[::-1], OUT] = np.arange(3 * m, dtype=np.int32)[::-1]
-        arrays.layout[[VERTEX_TOP, VERTEX_COUNT]] = n
-        arrays.layout[[FACE_TOP, FACE_COUNT]] = m
-        arrays.bound[CLEARANCE] = max(CLEARANCE_SHARE * edge_length, LEAST_CLEARANCE)
-        self.arrays: MeshArrays = arrays
+        if len(surface.faces) < 4:
+            raise InvalidInput(
+                "invalid_mesh", f"A closed surface has at least 4 faces, this one has {len(surface.faces)}."
+            )
         self.edge_length = float(edge_length)
+        self.mean_edge = self.edge_length
+        self.cells: Cells = (np.zeros(0, np.int32), np.zeros((0, 4), np.float32), np.zeros(0, np.int32))
         self._batch = 0
-        self.rebuild_grid()
+        used = np.unique(surface.faces)
+        number = np.zeros(len(surface.vertices), dtype=np.int32)
+        number[used] = np.arange(len(used), dtype=np.int32)
+        points = np.ones((len(used), 4))
+        points[:, :3] = surface.vertices[used].astype(np.float32)
+        self._take(points, number[surface.faces])
+        self.arrays.bound[CLEARANCE] = max(CLEARANCE_SHARE * edge_length, LEAST_CLEARANCE)
         touching = self.contacts()
         if touching:
             raise InvalidInput(
                 "invalid_mesh",
-                f"{touching} of the {m} faces of the surface to start from touch others that are not their neighbours.",
+                f"{touching} of the {len(surface.faces)} faces of the surface to start from touch others.",
                 "Start from a surface without self-intersections.",
             )
+
+    def _take(self, points: NDArray[np.float64], faces: NDArray[np.int32]) -> None:
+        """Put vertices (n, 4) and faces into arrays of their own, without holes and in an order that follows space."""
+        order = _in_space_order(points[:, :3], self.edge_length)
+        number = np.empty(len(points), dtype=np.int32)
+        number[order] = np.arange(len(points), dtype=np.int32)
+        points, faces = points[order], number[faces]
+        faces = faces[_in_space_order(points[faces[:, 0], :3], self.edge_length)]
+        n, m = len(points), len(faces)
+        arrays = allocate(n + n // 2 + 256, m + m // 2 + 512)
+        arrays.points[:n] = points
+        arrays.half_edges[: 3 * m, ORIGIN] = faces.ravel()
+        arrays.layout[[VERTEX_TOP, VERTEX_COUNT]] = n
+        arrays.layout[[FACE_TOP, FACE_COUNT]] = m
+        wrong = int(passes.link_twins(arrays, n, m))
+        if wrong > 0:
+            raise InvalidInput(
+                "invalid_mesh",
+                f"The surface to start from has {wrong} half-edges that do not meet exactly one other half-edge.",
+                "Give a closed, manifold and consistently oriented surface.",
+            )
+        if wrong < 0:
+            raise InvalidInput(
+                "invalid_mesh",
+                f"The surface to start from has {-wrong} vertices in which it touches itself.",
+                "Give a manifold surface.",
+            )
+        self.arrays: MeshArrays = arrays
+        grid.measure_all(arrays)
+        self.size_grid()
+
+    def compact(self) -> None:
+        """Move vertices and faces to new slots, without holes and so that neighbours in space are neighbours in memory.
+
+        Everything that the slots of vertices are known by becomes meaningless.
+        """
+        clearance = self.arrays.bound[CLEARANCE]
+        live, faces = self._live_faces()
+        self._take(self.arrays.points[live], faces)
+        self.arrays.bound[CLEARANCE] = clearance
 
     @property
     def vertex_count(self) -> int:
@@ -140,36 +192,57 @@ class DynamicMesh:
 
     def to_triangle_mesh(self) -> TriangleMesh:
         """Return the present surface, its vertices in the order of their slots."""
+        live, faces = self._live_faces()
+        return TriangleMesh(self.arrays.points[live, :3], faces)
+
+    def _live_faces(self) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+        """Return the slots of the vertices in use, and the faces in terms of their rank among these."""
         live = self.live
         number = np.full(self.vertex_slots, -1, dtype=np.int32)
         number[live] = np.arange(len(live), dtype=np.int32)
         corners = self.arrays.half_edges[: 3 * self.arrays.layout[FACE_TOP], ORIGIN].reshape(-1, 3)
-        return TriangleMesh(self.arrays.points[live, :3], number[corners[corners[:, 0] >= 0]])
+        return live, number[corners[corners[:, 0] >= 0]]
 
     def contacts(self) -> int:
         """Return the number of faces that touch others than their neighbours: 0, or something here is broken."""
-        return int(grid.count_contacts(self.arrays, self.next_batch()))
+        self.sort_cells()
+        return int(motion.count_contacts(self.arrays, *self.cells))
 
-    def rebuild_grid(self) -> None:
-        """Size the grid for the region that the surface fills now, and put all faces in."""
+    def size_grid(self) -> None:
+        """Choose the size of the grid's cells, and their number by the region that the surface fills now."""
         arrays = self.arrays
         points = arrays.points[self.live, :3]
         extent = points.max(axis=0) - points.min(axis=0)
-        # Far more cells than faces would only be emptied again and again.
-        _, mean, _ = passes.edge_statistics(arrays)
-        cell = CELL_RATIO * max(self.edge_length, 0.5 * float(mean))
+        used = arrays.links[: arrays.layout[FACE_TOP]]
+        area = float(arrays.facets[: len(used), AREA][used[:, CORNER] >= 0].mean(dtype=np.float64))
+        # The side of an equilateral triangle of the mean area.
+        self.mean_edge = float(np.sqrt(4.0 / np.sqrt(3.0) * area))
+        cell = CELL_RATIO * self.mean_edge
         bits = np.ceil(np.log2(np.maximum(extent / cell + 2.0, 2.0))).astype(np.int64)
-        while bits.sum() > LARGEST_GRID_BITS:
+        while 1 << int(bits.sum()) > CELLS_PER_FACE * self.face_count + 1024:
             bits[np.argmax(bits)] -= 1
         arrays.bound[INVERSE_CELL] = 1.0 / cell
         arrays.layout[MASK : MASK + 3] = (1 << bits) - 1
         arrays.layout[SHIFT] = bits[1] + bits[2]
         arrays.layout[SHIFT + 1] = bits[2]
         size = 1 << int(bits.sum())
-        head = arrays.head if len(arrays.head) == size else np.empty(size, dtype=np.int32)
-        head.fill(-1)
-        self.arrays = arrays._replace(head=head)
-        grid.build_grid(self.arrays)
+        if len(arrays.head) != size:
+            self.arrays = arrays._replace(head=np.full(size, -1, dtype=np.int32))
+
+    def sort_cells(self) -> None:
+        """Bring `cells` up to date, in which kernels look for what is near."""
+        cells.sort_into_cells(self.arrays, *self.room_for_cells())
+
+    def room_for_cells(self) -> Cells:
+        """Return `cells`, made anew if the grid or the arrays have changed their size."""
+        size, faces = len(self.arrays.head) + 1, len(self.arrays.links)
+        if len(self.cells[0]) != size or len(self.cells[2]) != faces:
+            self.cells = (
+                np.empty(size, dtype=np.int32),
+                np.empty((faces, 4), dtype=np.float32),
+                np.empty(faces, dtype=np.int32),
+            )
+        return self.cells
 
     def remesh(self, active: NDArray[np.int8] | None = None, *, rounds: int = 1) -> RemeshCount:
         """Split long edges, collapse short ones and flip those that triangles squeeze.
@@ -179,7 +252,7 @@ class DynamicMesh:
         active : (vertex_slots,) int8
             Edges are looked at where this is set at an end; everywhere if it is not given.
         rounds
-            How often to do so; ends early where nothing changes any more.
+            How often to do so; ends early where hardly anything changes any more.
 
         Returns
         -------
@@ -189,22 +262,19 @@ class DynamicMesh:
         total = RemeshCount()
         for _ in range(rounds):
             chosen = np.ones(self.vertex_slots, dtype=np.int8) if active is None else active
+            self.size_grid()
+            self.arrays.head.fill(-1)
+            grid.build_grid(self.arrays)
             done = RemeshCount(
                 splits=self._split(chosen),
-                collapses=int(
-                    passes.collapse_pass(
-                        self.arrays, self.edge_length, COLLAPSE_RATIO, LONGEST_RATIO, self._fitting(chosen)
-                    )
-                ),
+                collapses=self._collapse(chosen),
                 flips=int(passes.flip_pass(self.arrays, self._fitting(chosen))),
             )
             total.splits += done.splits
             total.collapses += done.collapses
             total.flips += done.flips
-            if not (done.splits or done.collapses or done.flips):
+            if done.splits + done.collapses + done.flips <= SETTLED * self.face_count:
                 break
-            # Longest faces got shorter and all may lie elsewhere now.
-            self.rebuild_grid()
         return total
 
     def move(self, movers: NDArray[np.int32], target: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -226,7 +296,13 @@ class DynamicMesh:
         places[movers] = target
         state = np.zeros(self.vertex_slots, dtype=np.int8)
         motion.move_vertices(
-            self.arrays, np.asarray(movers, dtype=np.int32), places, np.empty_like(places), state, self.next_batch()
+            self.arrays,
+            *self.room_for_cells(),
+            np.asarray(movers, dtype=np.int32),
+            places,
+            np.empty_like(places),
+            state,
+            self.next_batch(),
         )
         return np.asarray(state[movers] == motion.MOVED)
 
@@ -248,6 +324,10 @@ class DynamicMesh:
                 return done
             self.arrays = grown(self.arrays, 2 * self.vertex_slots, 2 * len(self.arrays.links))
 
+    def _collapse(self, active: NDArray[np.int8]) -> int:
+        length = min(self.edge_length, COARSENING * self.mean_edge)
+        return int(passes.collapse_pass(self.arrays, length, COLLAPSE_RATIO, LONGEST_RATIO, self._fitting(active)))
+
     def _fitting(self, active: NDArray[np.int8]) -> NDArray[np.int8]:
         """Return `active` as long as the vertex arrays are now; new vertices are found by what touched them."""
         if len(active) >= self.vertex_slots:
@@ -257,28 +337,11 @@ class DynamicMesh:
         return longer
 
 
-def _check_surface(surface: TriangleMesh) -> None:
-    """Raise ``invalid_mesh`` unless the surface is a closed, oriented manifold."""
-    if len(surface.faces) < 4:
-        raise InvalidInput("invalid_mesh", f"A closed surface has at least 4 faces, this one has {len(surface.faces)}.")
-    if not surface.closed:
-        raise InvalidInput(
-            "invalid_mesh",
-            f"The surface to start from has {len(surface.boundary_edges)} boundary edges.",
-            "Close it first.",
-        )
-    if not (surface.manifold and surface.oriented):
-        what = "manifold" if not surface.manifold else "oriented consistently"
-        raise InvalidInput("invalid_mesh", f"The surface to start from is not {what}.", "Repair it first.")
-
-
-def _twins(faces: NDArray[np.int32]) -> NDArray[np.int32]:
-    """Return for each half-edge of a closed oriented mesh the one that runs the other way."""
-    start = faces.ravel().astype(np.int64)
-    end = np.roll(faces, -1, axis=1).ravel().astype(np.int64)
-    n = int(start.max()) + 1
-    forward = np.argsort(start * n + end, kind="stable")
-    backward = np.argsort(end * n + start, kind="stable")
-    twin = np.empty(len(start), dtype=np.int32)
-    twin[forward] = backward
-    return twin
+def _in_space_order(points: NDArray[np.float64], cell: float) -> NDArray[np.int64]:
+    """Return an order of points in which neighbours in space are neighbours in memory (Z-order of cells)."""
+    index = np.floor((points - points.min(axis=0)) / cell).astype(np.int64)
+    code = np.zeros(len(points), dtype=np.int64)
+    for bit in range(max(int(index.max()).bit_length(), 1)):
+        for axis in range(3):
+            code |= ((index[:, axis] >> bit) & 1) << (3 * bit + 2 - axis)
+    return np.argsort(code, kind="stable")
