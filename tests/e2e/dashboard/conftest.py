@@ -14,7 +14,7 @@ import pytest
 
 from shapery_gateway.dashboard.service import STATIC
 from tests.support.browser import Watch, browser
-from tests.support.platform import Platform, embedded_platform
+from tests.support.embedded import Embedded, embedded_platform
 from tests.support.probe import MODULE as PROBE
 
 READY = 60_000
@@ -30,14 +30,14 @@ def chrome() -> Iterator[Any]:
 
 
 @pytest.fixture(scope="package")
-def platform(chrome: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Platform]:  # the skip comes first
+def platform(chrome: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Embedded]:  # the skip comes first
     home = tmp_path_factory.mktemp("platform")
     with embedded_platform(home, plugins=PROBE, retention_interval="1", rate_limit_per_minute="0") as running:
         yield running
 
 
 @pytest.fixture(scope="package")
-def api(platform: Platform) -> Iterator[httpx.Client]:
+def api(platform: Embedded) -> Iterator[httpx.Client]:
     with httpx.Client(base_url=platform.url, timeout=30) as client:
         yield client
 
@@ -54,7 +54,7 @@ OpenPage = Callable[..., Any]
 
 
 @pytest.fixture
-def open_page(chrome: Any, platform: Platform) -> Iterator[OpenPage]:
+def open_page(chrome: Any, platform: Embedded) -> Iterator[OpenPage]:
     """Opens a page of the dashboard in a browser profile of its own.
 
     At the end no page may have had an error that the test did not expect, or have asked any other host.

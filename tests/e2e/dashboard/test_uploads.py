@@ -11,10 +11,10 @@ import httpx
 import numpy as np
 import pytest
 
-from shapery_geometry.volume_io.nifti import write_nifti
 from shapery_geometry.volume import Volume
+from shapery_geometry.volume_io.nifti import write_nifti
 from tests.e2e.dashboard.conftest import OpenPage
-from tests.support.platform import Platform
+from tests.support.embedded import Embedded
 from tests.support.proxy import Network, unreliable
 from tests.support.volumes import write_series
 
@@ -25,7 +25,7 @@ RATE = 6_000_000
 
 
 @pytest.fixture
-def network(platform: Platform) -> Iterator[Network]:
+def network(platform: Embedded) -> Iterator[Network]:
     with unreliable(platform.port) as network:
         yield network
 
