@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Awaitable, Callable, Iterator
 from typing import Annotated
 
+from anyio.to_thread import run_sync
 from fastapi import Depends, Query, Request
 from fastapi.security import APIKeyHeader, HTTPAuthorizationCredentials, HTTPBearer
 from sqlalchemy.orm import Session
@@ -22,7 +23,10 @@ MAX_SECRET = 256
 """Characters of a key that are looked at; ours are shorter."""
 
 
-def get_backend(request: Request) -> Backend:
+# What asks nothing of the database is a coroutine: FastAPI would run a plain function in a thread.
+
+
+async def get_backend(request: Request) -> Backend:
     """Return the app's backend."""
     backend: Backend = request.app.state.backend
     return backend
@@ -78,7 +82,7 @@ def refuse_after(wait: float, per_minute: int) -> None:
         )
 
 
-def get_principal(
+async def get_principal(
     request: Request,
     backend: BackendDep,
     bearer: Annotated[HTTPAuthorizationCredentials | None, Depends(_bearer)],
@@ -100,8 +104,7 @@ def get_principal(
     secret = bearer.credentials if bearer is not None else header
     principal = None
     if secret and len(secret) <= MAX_SECRET and secret.isascii():
-        with backend.database.session(readonly=True) as session:
-            principal = keys.authenticate(session, secret)
+        principal = await run_sync(_look_up, backend, secret)
     if principal is None:
         charge(backend, address)
         detail = "The API key is not known, has expired, or was revoked." if secret else "No API key was sent."
@@ -113,21 +116,27 @@ def get_principal(
         )
     charge(backend, f"key {principal.key_id}")
     request.scope["state"]["key_id"] = str(principal.key_id)
-    if principal.use_is_due and principal.key_id is not None:
+    return principal
+
+
+def _look_up(backend: Backend, secret: str) -> Principal | None:
+    with backend.database.session(readonly=True) as session:
+        principal = keys.authenticate(session, secret)
+    if principal is not None and principal.use_is_due and principal.key_id is not None:
         with backend.database.session() as session:
             keys.note_use(session, principal.key_id)
     return principal
 
 
-def get_public_caller(request: Request, backend: BackendDep) -> None:
+async def get_public_caller(request: Request, backend: BackendDep) -> None:
     """Count a request that needs no key."""
     charge(backend, f"address {client_address(request.scope)}")
 
 
-def require(scope: Scope) -> Callable[[Principal], Principal]:
+def require(scope: Scope) -> Callable[[Principal], Awaitable[Principal]]:
     """Return the dependency that asks for a key with `scope`."""
 
-    def check(principal: Annotated[Principal, Depends(get_principal)]) -> Principal:
+    async def check(principal: Annotated[Principal, Depends(get_principal)]) -> Principal:
         if not principal.may(scope):
             raise ProblemError(
                 "forbidden",

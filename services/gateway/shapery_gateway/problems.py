@@ -13,6 +13,9 @@ from typing import Any
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError, ResponseValidationError
+from obstore.exceptions import BaseError as StoreError
+from sqlalchemy.exc import InterfaceError, OperationalError
+from sqlalchemy.exc import TimeoutError as PoolTimeout
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
 from starlette.responses import Response
@@ -153,6 +156,24 @@ async def _handle_http(request: Request, error: Exception) -> Response:
     return problem_response(request.scope, code, detail, hint, headers=headers)
 
 
+async def _handle_unavailable(request: Request, error: Exception) -> Response:
+    # The database or the object store went away in the middle of a request, which was rolled back.
+    logger.error(
+        "%s %s failed for want of a part of the platform",
+        request.method,
+        request.url.path,
+        exc_info=error,
+        extra={"request_id": request_id_of(request.scope)},
+    )
+    return problem_response(
+        request.scope,
+        "service_unavailable",
+        "The database or the object store does not answer.",
+        "Try again in a moment.",
+        headers={"Retry-After": "2"},
+    )
+
+
 async def _handle_disconnect(request: Request, _: Exception) -> Response:
     # Nobody reads this answer; it only keeps the log from calling a client that left a defect of ours.
     return problem_response(request.scope, "bad_request", "The client left before its request was complete.")
@@ -187,3 +208,5 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(ResponseValidationError, _handle_response_validation)
     app.add_exception_handler(HTTPException, _handle_http)
     app.add_exception_handler(ClientDisconnect, _handle_disconnect)
+    for unavailable in (OperationalError, InterfaceError, PoolTimeout, StoreError):
+        app.add_exception_handler(unavailable, _handle_unavailable)

@@ -100,7 +100,7 @@ class Platform:
     def client(self, secret: str | None = None, **options: Any) -> httpx.Client:
         """Return a client, with a key where one is given."""
         headers = {"Authorization": f"Bearer {secret}"} if secret else {}
-        return httpx.Client(base_url=self.url, headers=headers, timeout=20, **options)
+        return httpx.Client(base_url=self.url, headers=headers, **{"timeout": 60, **options})
 
     def key(self, owner: str, *scopes: Scope) -> str:
         """Make a key."""

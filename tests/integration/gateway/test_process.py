@@ -150,13 +150,13 @@ def test_stopping_ends_streams_and_keeps_bytes(process: GatewayProcess) -> None:
 
 @pytest.mark.slow
 def test_large_files_need_no_memory(process: GatewayProcess) -> None:
-    """400 MiB each way, through both kinds of uploads and a download."""
-    size = 352 + 400 * MIB
-    head = nifti((1024, 1024, 400))[:352]
+    """300 MiB each way, through both kinds of uploads and a download."""
+    size = 352 + 300 * MIB
+    head = nifti((1024, 1024, 300))[:352]
 
     def body() -> Iterator[bytes]:
         yield head
-        for _ in range(400):
+        for _ in range(300):
             yield bytes(MIB)
 
     with httpx.Client(base_url=process.base_url, timeout=300) as client:

@@ -20,7 +20,7 @@ IdempotencyKey = Annotated[
 ]
 
 
-def last_event(
+async def last_event(
     after: Annotated[
         int | None, Query(ge=0, le=MAX_SEQ, description="Number of the last event received; all later ones follow.")
     ] = None,

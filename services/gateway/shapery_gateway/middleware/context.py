@@ -16,6 +16,8 @@ from shapery_gateway.problems import internal_error_response
 
 access_logger = logging.getLogger("shapery_gateway.access")
 
+_PROBES = frozenset({"/healthz", "/readyz", "/metrics"})
+"""Asked every few seconds, and of interest to nobody as long as they answer."""
 _REQUEST_ID = re.compile(r"^[A-Za-z0-9._-]{1,64}$")
 
 API_CONTENT_SECURITY_POLICY = "default-src 'none'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'; sandbox"
@@ -99,7 +101,8 @@ class RequestContextMiddleware:
             template = route_template(scope)
             # Until the answer began: an event stream that lives for an hour is not a slow request.
             metrics.observe(scope["method"], template, status, answered - began)
-            access_logger.info(
+            access_logger.log(
+                logging.DEBUG if template in _PROBES else logging.INFO,
                 "%s %s %d",
                 scope["method"],
                 _printable(scope["path"]),
