@@ -65,6 +65,14 @@ def wait_until(ready: Callable[[], bool], process: subprocess.Popen[bytes], log:
         time.sleep(0.02)
 
 
+def wait_for(condition: Callable[[], bool], seconds: float = 30.0) -> None:
+    """Wait until a condition holds; an `AssertionError` where it does not within a generous time."""
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, f"not within {seconds:g} s"
+        time.sleep(0.01)
+
+
 def end(process: subprocess.Popen[bytes], by: int = signal.SIGTERM, seconds: float = 15.0) -> None:
     """End a server by a signal, and by force where it does not follow."""
     if process.poll() is None:

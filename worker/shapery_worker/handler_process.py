@@ -211,7 +211,7 @@ def run_handler(
     context = HandlerContext(board, folders.output, folders.work)
     try:
         result = handler.run(kind.params.model_validate(params), inputs, context)
-        # Through the model and back: a handler that returns another type, or a value that is no JSON, is seen here.
+        # Another type is seen here, and so is a number that is none, which would become null on its way.
         checked = kind.result.model_validate(result).model_dump(mode="json")
         json.dumps(checked, allow_nan=False)
         return Succeeded(result=checked)

@@ -137,7 +137,8 @@ def test_what_a_handler_left_running_ends_with_it(shared_stack: Stack) -> None:
     job = shared_stack.wait(shared_stack.submit(action="spawn"))
     assert job.state is JobState.SUCCEEDED
     assert job.result is not None
-    assert not alive(int(job.result["seen"]["child"]))
+    child = int(job.result["seen"]["child"])
+    shared_stack.until(lambda: not alive(child), "the handler's child is gone", 10)
 
 
 def test_a_missing_input_fails_the_job(shared_stack: Stack) -> None:
