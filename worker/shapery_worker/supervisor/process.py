@@ -50,6 +50,7 @@ class SupervisedProcess:
         self.log = log
         self.deaths = 0
         self._process: subprocess.Popen[bytes] | None = None
+        self._running = False
         self._started_at = 0.0
         self._start_again_at = 0.0
         self._delay = _FIRST_DELAY
@@ -70,7 +71,7 @@ class SupervisedProcess:
         stdout = self._process.stdout if self._process is not None else None
         return stdout.fileno() if stdout is not None and not stdout.closed else None
 
-    def start(self) -> None:
+    def start(self, now: float | None = None) -> None:
         """Start it, on the supervisor's leash and as the leader of a group of its own."""
         self._process = subprocess.Popen(
             command(self.arguments),
@@ -84,20 +85,22 @@ class SupervisedProcess:
         )
         assert self._process.stdout is not None
         os.set_blocking(self._process.stdout.fileno(), False)
-        self._started_at = time.monotonic()
+        self._running = True
+        self._started_at = time.monotonic() if now is None else now
 
     def look(self, now: float) -> bool:
         """See whether it still runs, and start it again when its time has come; tells whether it was started."""
         if self._process is None:
             return False
-        if self._process.returncode is None:
+        if self._running:
             code = self._process.poll()
             if code is None:
                 return False
+            self._running = False
             self._died(code, now)
         if now < self._start_again_at:
             return False
-        self.start()
+        self.start(now)
         logger.info("%s was started again (process %s)", self.name, self.pid)
         return True
 
