@@ -111,6 +111,19 @@ def test_many_idle_streams_hold_neither_threads_nor_connections(local_settings: 
             assert [data(event)["state"] for event in stream] == ["cancelled"]
 
 
+def test_streams_are_limited(local: httpx.Client, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("shapery_gateway.http.events.MAX_STREAMS", 2)
+    path = f"/v1/jobs/{submit(local)['id']}/events"
+    streams = [follow(local, path) for _ in range(2)]
+    for stream in streams:
+        next(stream)
+    refused = local.get(path)
+    assert (refused.status_code, refused.json()["code"]) == (503, "service_unavailable")
+    assert int(refused.headers["retry-after"]) > 0
+    for stream in streams:
+        stream.close()  # type: ignore[attr-defined]
+
+
 def test_a_client_that_leaves_frees_its_stream(local: httpx.Client) -> None:
     job = submit(local)
     stream = follow(local, f"/v1/jobs/{job['id']}/events")

@@ -202,7 +202,7 @@ def test_a_dashboard_that_is_not_built_says_so(
     monkeypatch.setattr(routes, "STATIC", tmp_path / "nowhere")
     response = local.get("/")
     assert response.status_code == 200
-    assert "make dashboard" in response.text
+    assert "make setup" in response.text
 
 
 def test_the_dashboard(built: Path, local: httpx.Client) -> None:

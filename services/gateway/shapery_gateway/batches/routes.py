@@ -14,7 +14,6 @@ from shapery_gateway.batches import service
 from shapery_gateway.batches.ndjson import MEDIA_TYPE
 from shapery_gateway.dependencies import BackendDep, Cursor, Limit, Reader, ReadSession, Writer, WriteSession
 from shapery_gateway.http.documentation import event_stream
-from shapery_gateway.http.events import EventStreamResponse
 from shapery_gateway.http.parameters import IdempotencyKey, LastEvent
 from shapery_gateway.jobs.routes import CREATION_PROBLEMS
 from shapery_gateway.openapi import COMMON_PROBLEMS, problems
@@ -96,14 +95,14 @@ def get_batch(session: ReadSession, caller: Reader, batch_id: UUID) -> BatchView
             "The stream ends when all jobs have.",
             "BatchEvent",
         ),
-        **problems(*COMMON_PROBLEMS, "not_found"),
+        **problems(*COMMON_PROBLEMS, "not_found", "service_unavailable"),
     },
 )
 async def stream_batch_events(backend: BackendDep, caller: Reader, batch_id: UUID, after: LastEvent) -> Response:
     """How the batch stands, and then each change of its counts."""
     if await run_sync(service.events_are_over, backend, caller, batch_id, after):
         return Response(status_code=204)
-    return EventStreamResponse(backend.batch_events.stream(batch_id, after))
+    return backend.batch_events.open(batch_id, after)
 
 
 @router.get(

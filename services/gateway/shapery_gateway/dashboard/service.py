@@ -93,7 +93,7 @@ NOT_BUILT = """<!doctype html>
 code{background:#8882;padding:.1em .3em;border-radius:.2em}</style>
 <h1>Shapery</h1>
 <p>The server runs. The dashboard is not built into this installation.</p>
-<p>From a checkout, <code>make dashboard</code> builds it; reload this page afterwards.</p>
+<p>From a checkout, <code>make setup</code> builds it; reload this page afterwards.</p>
 <p>The HTTP interface is described at <a href="/docs">/docs</a>.</p>
 </html>
 """

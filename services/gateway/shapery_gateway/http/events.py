@@ -21,6 +21,8 @@ from anyio.to_thread import run_sync
 from starlette.responses import StreamingResponse
 from starlette.types import Send
 
+from shapery_gateway.problems import ProblemError
+
 logger = logging.getLogger(__name__)
 
 HEARTBEAT_SECONDS = 15.0
@@ -28,6 +30,8 @@ RECENT_EVENTS = 128
 """Events that a topic keeps for streams that are slower than others; who falls further behind reads the database."""
 LONGEST_STREAM_SECONDS = 3600.0
 """A stream ends after this time and its client takes it up again, so that a revoked key does not listen for ever."""
+MAX_STREAMS = 5000
+"""Streams that one process serves; an idle one costs some kilobytes and a file descriptor."""
 _LONGEST_PAUSE = 5.0
 
 
@@ -97,6 +101,23 @@ class EventFeed:
         self._limiter = anyio.CapacityLimiter(2)
         self._closing = False
 
+    def open(self, topic_id: UUID, after: int) -> EventStreamResponse:
+        """Answer with the events of a topic after number `after`.
+
+        Raises
+        ------
+        ProblemError
+            ``service_unavailable`` where this process has `MAX_STREAMS` open already.
+        """
+        if self.streams >= MAX_STREAMS:
+            raise ProblemError(
+                "service_unavailable",
+                f"{MAX_STREAMS} event streams are open here, and no more are served.",
+                "Ask again later, or ask for the state now and then.",
+                headers={"Retry-After": "30"},
+            )
+        return EventStreamResponse(self.stream(topic_id, after))
+
     @property
     def streams(self) -> int:
         """How many streams are open."""
@@ -133,7 +154,8 @@ class EventFeed:
                         return
                     continue
                 try:
-                    await asyncio.wait_for(changed.wait(), self._heartbeat)
+                    async with asyncio.timeout(self._heartbeat):
+                        await changed.wait()
                 except TimeoutError:
                     yield b": alive\n\n"
         finally:
@@ -170,7 +192,8 @@ class EventFeed:
                 if topic is not None and topic.cursor >= cursors[topic_id]:
                     topic.push(events)
             try:
-                await asyncio.wait_for(self._kick.wait(), pause)
+                async with asyncio.timeout(pause):
+                    await self._kick.wait()
             except TimeoutError:
                 continue
 

@@ -18,7 +18,6 @@ from shapery_gateway.http.documentation import (
     CONTENT_RESPONSES,
     event_stream,
 )
-from shapery_gateway.http.events import EventStreamResponse
 from shapery_gateway.http.parameters import IdempotencyKey, LastEvent
 from shapery_gateway.jobs import service
 from shapery_gateway.openapi import COMMON_PROBLEMS, problems
@@ -108,7 +107,7 @@ def get_job(session: ReadSession, caller: Reader, job_id: UUID) -> JobView:
             "The stream ends with the event of a terminal state.",
             "JobEvent",
         ),
-        **problems(*COMMON_PROBLEMS, "not_found"),
+        **problems(*COMMON_PROBLEMS, "not_found", "service_unavailable"),
     },
 )
 async def stream_job_events(backend: BackendDep, caller: Reader, job_id: UUID, after: LastEvent) -> Response:
@@ -118,7 +117,7 @@ async def stream_job_events(backend: BackendDep, caller: Reader, job_id: UUID, a
     """
     if await run_sync(service.events_are_over, backend, caller, job_id, after):
         return Response(status_code=204)
-    return EventStreamResponse(backend.job_events.stream(job_id, after))
+    return backend.job_events.open(job_id, after)
 
 
 @router.post(

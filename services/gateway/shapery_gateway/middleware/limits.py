@@ -58,7 +58,8 @@ class BodyLimitMiddleware:
                 # The body is over: what is awaited now is the client's leaving, which may take as long as it likes.
                 return await receive()
             try:
-                message = await asyncio.wait_for(receive(), self.idle_timeout)
+                async with asyncio.timeout(self.idle_timeout):
+                    message = await receive()
             except TimeoutError:
                 raise HTTPException(
                     408, f"Nothing arrived for {self.idle_timeout:g} seconds within the body.", headers=_CLOSE
