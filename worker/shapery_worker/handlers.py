@@ -35,6 +35,9 @@ def register_handler(handler: AnyHandler) -> None:
 def load_handlers(service: str) -> dict[str, AnyHandler]:
     """Load the handlers of all kinds of `service`, with everything that they import.
 
+    A handler may have a method ``load()``, which imports what its ``run`` needs: it is called here, before processes
+    are forked to run jobs, so that no job has to load it again. It must not start threads.
+
     A handler that cannot be loaded is left out and logged: the other kinds of the service go on.
 
     Returns
@@ -52,6 +55,7 @@ def load_handlers(service: str) -> dict[str, AnyHandler]:
         try:
             loaded = point.load()
             handler = loaded if hasattr(loaded, "run") and not isinstance(loaded, type) else loaded()
+            _prepare(handler)
         except Exception:
             logger.exception("the handler of %s (%s) cannot be loaded", point.name, point.value)
             continue
@@ -59,8 +63,17 @@ def load_handlers(service: str) -> dict[str, AnyHandler]:
             logger.error("the handler %s calls itself %s, not %s", point.value, handler.kind, point.name)
             continue
         handlers[point.name] = handler
-    mine = {name: handler for name, handler in _registered.items() if JOB_KINDS[name].service == service}
-    return {**handlers, **mine}
+    for name, handler in _registered.items():
+        if JOB_KINDS[name].service == service:
+            _prepare(handler)
+            handlers[name] = handler
+    return handlers
+
+
+def _prepare(handler: AnyHandler) -> None:
+    load = getattr(handler, "load", None)
+    if load is not None:
+        load()
 
 
 def installed_kinds(service: str) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -20,9 +21,14 @@ class SegmentationHandler:
 
     kind: ClassVar[str] = "segmentation"
 
+    def load(self) -> None:
+        """Import the numerics; a worker does it once, before it forks a process for each job."""
+        for module in ("shapery_geometry.volume_io", "shapery_segmentation.pipeline", "shapery_segmentation.report"):
+            importlib.import_module(module)
+
     def run(self, params: SegmentationParams, inputs: Mapping[str, Path], context: JobContext) -> SegmentationResult:
         """See `shapery_contracts.handler.JobHandler.run`."""
-        # Imported here: the handler is found at a worker's start, the numerics are loaded with the first job.
+        # Imported here: whoever only looks for the handler loads no numerics.
         from dataclasses import replace
 
         from shapery_geometry.volume_io import read_volume

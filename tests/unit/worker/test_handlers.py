@@ -73,6 +73,20 @@ def test_one_that_cannot_be_loaded_does_not_hinder_the_others(
     assert "cannot be loaded" in caplog.text
 
 
+def test_a_handler_loads_what_it_needs_before_any_job() -> None:
+    loaded = []
+
+    class Loading(Installed):
+        def load(self) -> None:
+            loaded.append(self.kind)
+
+    handlers.register_handler(Loading())
+    handlers.load_handlers("two")
+    assert loaded == []
+    handlers.load_handlers("one")
+    assert loaded == ["kind-a"]
+
+
 def test_a_plugin_goes_before_what_is_installed(monkeypatch: pytest.MonkeyPatch) -> None:
     offer(monkeypatch, kind_a="not.there:Handler")
     mine = Installed()
