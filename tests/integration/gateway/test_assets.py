@@ -10,6 +10,8 @@ import pytest
 from tests.integration.gateway.conftest import Make, Platform, Serve, submit, upload
 from tests.support.gateway import nifti, raw_request, triangle
 
+pytestmark = pytest.mark.server
+
 
 def test_a_file_comes_back_as_it_was(http: httpx.Client) -> None:
     data = nifti((80, 80, 80))

@@ -9,6 +9,8 @@ import pytest
 from shapery_platform import watching
 from tests.integration.gateway.conftest import Make, Platform, Serve, upload
 
+pytestmark = pytest.mark.server
+
 NDJSON = {"Content-Type": "application/x-ndjson"}
 
 

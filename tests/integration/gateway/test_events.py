@@ -16,6 +16,8 @@ from httpx_sse import EventSource, ServerSentEvent
 from shapery_platform.jobs import fail, stop
 from tests.integration.gateway.conftest import Make, Platform, Serve, submit, upload
 
+pytestmark = pytest.mark.server
+
 
 def follow(client: httpx.Client, path: str, **headers: str) -> Iterator[ServerSentEvent]:
     with client.stream("GET", path, headers=headers) as response:

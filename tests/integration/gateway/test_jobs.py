@@ -15,6 +15,8 @@ from shapery_platform.db.models import Job
 from tests.integration.gateway.conftest import Platform, submit, upload
 from tests.support.gateway import nifti, raw_request, triangle
 
+pytestmark = pytest.mark.server
+
 
 def test_a_job_is_there_when_it_is_told_of(http: httpx.Client) -> None:
     asset = upload(http)

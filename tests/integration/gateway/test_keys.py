@@ -18,6 +18,8 @@ from tests.conftest import ROOT
 from tests.integration.gateway.conftest import Make, Platform, Serve, submit, upload
 from tests.support.gateway import OFFSET_STREAM, TUS
 
+pytestmark = pytest.mark.server
+
 DOCUMENT = json.loads((ROOT / "api_schema" / "openapi.json").read_text("utf-8"))
 OPERATIONS = {
     op["operationId"]: (method.upper(), path)

@@ -12,6 +12,8 @@ from shapery_gateway.backend import Backend
 from tests.integration.gateway.conftest import Make, Platform, Serve, upload
 from tests.support.gateway import TUS, raw_request
 
+pytestmark = pytest.mark.server
+
 
 def test_json_bodies_are_limited(local_settings: Make, serve: Serve) -> None:
     platform = serve(local_settings(max_request_bytes=1000))

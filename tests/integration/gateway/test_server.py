@@ -13,6 +13,8 @@ from shapery_gateway.dashboard import routes
 from tests.integration.gateway.conftest import Make, Platform, Serve, submit
 from tests.support.redis import RedisServer, redis_server
 
+pytestmark = pytest.mark.server
+
 
 @pytest.fixture(scope="module")
 def redis() -> Iterator[RedisServer]:
@@ -24,7 +26,6 @@ def test_health(local: httpx.Client) -> None:
     assert local.get("/healthz").json() == {"status": "ok"}
 
 
-@pytest.mark.server
 def test_readiness(make_settings: Make, serve: Serve, redis: RedisServer) -> None:
     platform = serve(make_settings(redis_url=redis.url))
     with platform.client() as client:
@@ -53,7 +54,6 @@ def test_what_is_down_is_told(local_platform: Platform, local: httpx.Client) -> 
     assert local.get("/healthz").status_code == 200
 
 
-@pytest.mark.server
 def test_messages_reach_the_queue(make_settings: Make, serve: Serve, redis: RedisServer) -> None:
     redis.clear()
     platform = serve(make_settings(redis_url=redis.url))
@@ -74,7 +74,6 @@ def test_messages_reach_the_queue(make_settings: Make, serve: Serve, redis: Redi
         assert 'shapery_queue_length{queue="segmentation"} 5.0' in client.get("/metrics").text
 
 
-@pytest.mark.server
 def test_a_broker_that_comes_and_goes(local_settings: Make, serve: Serve, redis: RedisServer) -> None:
     redis.clear()
     platform = serve(local_settings(redis_url=redis.url))

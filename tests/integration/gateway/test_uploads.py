@@ -20,6 +20,8 @@ from shapery_platform.db.models import Upload
 from tests.integration.gateway.conftest import Make, Platform, Serve
 from tests.support.gateway import OFFSET_STREAM, TUS, metadata, nifti
 
+pytestmark = pytest.mark.server
+
 DATA = nifti((120, 100, 90))
 
 
