@@ -29,6 +29,8 @@ _log = logging.getLogger(__name__)
 
 PIN_SECONDS = 3600.0
 """How long a blob is kept for the row that shall refer to it."""
+_SLOWEST = 4 << 20
+"""Bytes per second at which a large blob is published at the least; its pin lasts for so much longer."""
 _LOOK_AGAIN = timedelta(seconds=60)
 """A blob that only a live job reads is looked at again after this time."""
 
@@ -43,7 +45,7 @@ def pinner(database: Database) -> Pin:
 
     def pin_now(sha256: str, size: int) -> None:
         with database.session() as session:
-            pin(session, sha256, size)
+            pin(session, sha256, size, PIN_SECONDS + size / _SLOWEST)
 
     return pin_now
 

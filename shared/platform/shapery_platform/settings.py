@@ -226,12 +226,8 @@ class Settings(BaseSettings):
     @property
     def database_kind(self) -> str:
         """``sqlite`` or ``postgresql``."""
-        return (
-            self.database_url.split(":", 1)[0]
-            .split("+", 1)[0]
-            .replace("postgres", "postgresql", 1)
-            .replace("postgresqlql", "postgresql")
-        )
+        kind = self.database_url.split(":", 1)[0].split("+", 1)[0]
+        return "postgresql" if kind == "postgres" else kind
 
     @property
     def redis_socket(self) -> Path | None:

@@ -13,7 +13,7 @@ import pytest
 from psycopg import sql
 from sqlalchemy import event
 
-from shapery_contracts.api import JobCreate
+from shapery_contracts.api import JobCreate, JobEvent, JobView
 from shapery_contracts.formats import AssetKind, FileFormat
 from shapery_platform import assets, jobs
 from shapery_platform.db import Database
@@ -181,3 +181,21 @@ def claimed(database: Database, new_job: Callable[..., UUID]) -> Callable[..., C
         return job
 
     return make
+
+
+@pytest.fixture
+def view(database: Database) -> Callable[..., JobView]:
+    def read(job_id: UUID, owner: str = "ann") -> JobView:
+        with database.session(readonly=True) as session:
+            return jobs.view(jobs.get(session, owner, job_id))
+
+    return read
+
+
+@pytest.fixture
+def events(database: Database) -> Callable[..., list[JobEvent]]:
+    def read(job_id: UUID, seq: int = 0, owner: str = "ann") -> list[JobEvent]:
+        with database.session(readonly=True) as session:
+            return jobs.events_after(session, owner, job_id, seq)
+
+    return read

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from datetime import UTC, datetime, timedelta, timezone
+from pathlib import Path
 from uuid import UUID
 
 import pytest
@@ -121,3 +122,28 @@ def test_the_time_of_leases_is_close_to_ours(database: Database) -> None:
     before = datetime.now(UTC) - timedelta(seconds=1)
     with database.session(readonly=True) as session:
         assert before < database_now(session) < datetime.now(UTC) + timedelta(seconds=1)
+
+
+def test_a_transaction_that_hangs_does_not_hold_up_others_for_ever(database: Database) -> None:
+    with database.session(readonly=True) as session:
+        if database.dialect == "sqlite":
+            assert session.execute(text("PRAGMA busy_timeout")).scalar_one() == 30_000
+            assert session.execute(text("PRAGMA journal_mode")).scalar_one() == "wal"
+            assert session.execute(text("PRAGMA foreign_keys")).scalar_one() == 1
+        else:
+            assert session.execute(text("SHOW lock_timeout")).scalar_one() == "30s"
+            assert session.execute(text("SHOW idle_in_transaction_session_timeout")).scalar_one() == "10min"
+            assert session.execute(text("SHOW transaction_isolation")).scalar_one() == "read committed"
+
+
+def test_what_was_answered_survives_the_loss_of_power(tmp_path: Path) -> None:
+    database = Database(f"sqlite:///{tmp_path}/shapery.db")
+    with database.session() as session:
+        assert session.execute(text("PRAGMA synchronous")).scalar_one() == 2, "FULL"
+    database.dispose()
+
+
+def test_a_database_in_memory_is_refused() -> None:
+    for url in ("sqlite://", "sqlite:///:memory:"):
+        with pytest.raises(ValueError, match="needs a file"):
+            Database(url)

@@ -14,7 +14,9 @@ from sqlalchemy.engine import URL
 from sqlalchemy.orm import Session, sessionmaker
 
 _BUSY_SECONDS = 30.0
-"""How long a writer of SQLite waits for another before it gives up."""
+"""How long a writer waits for another before it gives up."""
+_IDLE_SECONDS = 600.0
+"""After so long PostgreSQL ends a transaction in which nothing happens."""
 
 _MIGRATION_LOCK = 0x5348_4150
 """Key of PostgreSQL's advisory lock under which one process at a time migrates."""
@@ -41,14 +43,7 @@ class Database:
         if self.url.get_backend_name() == "sqlite":
             self.engine = _sqlite_engine(self.url, pool_size)
         else:
-            self.engine = create_engine(
-                self.url,
-                json_serializer=_dump_json,
-                pool_size=pool_size,
-                max_overflow=pool_size,
-                pool_pre_ping=True,
-                connect_args={"connect_timeout": 10},
-            )
+            self.engine = _postgresql_engine(self.url, pool_size)
         self._writers = sessionmaker(self.engine, expire_on_commit=False)
         self._readers = sessionmaker(
             self.engine.execution_options(shapery_readonly=True, postgresql_readonly=True), expire_on_commit=False
@@ -119,6 +114,28 @@ def _with_driver(url: str) -> URL:
     if parsed.get_backend_name() == "sqlite" and parsed.database in (None, "", ":memory:"):
         raise ValueError("an SQLite database needs a file: several processes share it")
     return parsed
+
+
+def _postgresql_engine(url: URL, pool_size: int) -> Engine:
+    engine = create_engine(
+        url,
+        json_serializer=_dump_json,
+        # each statement sees what was committed before it: the sweep and the leases count on that
+        isolation_level="READ COMMITTED",
+        pool_size=pool_size,
+        max_overflow=pool_size,
+        pool_pre_ping=True,
+        connect_args={"connect_timeout": 10},
+    )
+
+    @event.listens_for(engine, "connect")
+    def _connect(connection: Any, _record: Any) -> None:
+        # A process that hangs in the middle of a transaction must not hold up the others for ever.
+        connection.execute(f"SET lock_timeout = '{_BUSY_SECONDS:g}s'")
+        connection.execute(f"SET idle_in_transaction_session_timeout = '{_IDLE_SECONDS:g}s'")
+        connection.commit()
+
+    return engine
 
 
 def _sqlite_engine(url: URL, pool_size: int) -> Engine:
