@@ -15,13 +15,13 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal, TypeVar
+from typing import TypeVar
 from uuid import UUID
 
 from celery import Celery
-from sqlalchemy.exc import SQLAlchemyError
+from sqlalchemy.orm import Session
 
-from shapery_contracts.errors import ShaperyError, UserError
+from shapery_contracts.errors import ShaperyError, Unavailable, UserError
 from shapery_contracts.handler import AnyHandler
 from shapery_contracts.kinds import get_kind
 from shapery_contracts.states import JobState
@@ -35,12 +35,13 @@ from shapery_worker.handler_process import HandlerProcess
 from shapery_worker.keeper import LeaseKeeper
 from shapery_worker.metrics import JobMetrics
 from shapery_worker.outcome import Broken, Failed, Outcome, Stopped, Succeeded, read_outcome
+from shapery_worker.patience import Interrupted, patiently
 from shapery_worker.publishing import store_output
 from shapery_worker.scratch import Ownership, ScratchFolder
 from shapery_worker.settings import WorkerSettings, scratch_root
 from shapery_worker.staging import stage_inputs
 from shapery_worker.turns import Turns
-from shapery_worker.watch import Limits, ProcessWatch
+from shapery_worker.watch import Limits, ProcessWatch, StopReason
 
 T = TypeVar("T")
 
@@ -50,10 +51,10 @@ logger = logging.getLogger(__name__)
 _NOTHING_TO_DO = "job %s: a message came, but the job does not wait"
 
 
-class Interrupted(Exception):
+class NotWanted(Interrupted):
     """The attempt is not carried on: it was cancelled, its lease was lost, or the worker goes."""
 
-    def __init__(self, why: Literal["cancelled", "lost", "shutdown"]) -> None:
+    def __init__(self, why: StopReason) -> None:
         super().__init__(why)
         self.why = why
 
@@ -183,7 +184,7 @@ class Attempt:
             keeper = stack.enter_context(LeaseKeeper(runtime.database, runtime.settings, job.job_id, job.lease, board))
             try:
                 return self._carry_out(scratch, process, board, keeper)
-            except Interrupted as interrupted:
+            except NotWanted as interrupted:
                 process.kill()
                 if interrupted.why == "lost":
                     return None
@@ -198,7 +199,7 @@ class Attempt:
         job, runtime = self._job, self._runtime
         shutdown_deadline: float | None = None
 
-        def why_stop() -> Literal["cancelled", "lost", "shutdown"] | None:
+        def why_stop() -> StopReason | None:
             nonlocal shutdown_deadline
             if keeper.lost:
                 return "lost"
@@ -215,10 +216,14 @@ class Attempt:
         def go_on() -> None:
             why = why_stop()
             if why is not None:
-                raise Interrupted(why)
+                raise NotWanted(why)
 
         try:
-            inputs = stage_inputs(runtime.store, job.inputs, scratch.folders.inputs, go_on)
+            inputs = stage_inputs(
+                runtime.store, job.inputs, scratch.folders.inputs, go_on, runtime.worker_settings.patience
+            )
+        except Unavailable:
+            raise  # the store is ours to mend
         except UserError as error:
             return self._fail(error.code, error.message, error.hint)
         process.start(inputs)
@@ -249,7 +254,9 @@ class Attempt:
         match outcome:
             case Succeeded(result=result):
                 try:
-                    artifacts = store_output(self._runtime.store, output, go_on)
+                    artifacts = store_output(self._runtime.store, output, go_on, self._runtime.worker_settings.patience)
+                except Unavailable:
+                    raise
                 except UserError as error:  # the store is full
                     return self._fail(error.code, error.message, error.hint)
                 job = self._job
@@ -287,20 +294,11 @@ class Attempt:
             dispatch.submit(self._runtime.database, self._runtime.celery, self._job.job_id, self._job.kind)
         return state
 
-    def _end(self, change: Callable[..., T]) -> T:
-        """Make the last change, with patience: the work of an hour is not thrown away for a restart of the database.
+    def _end(self, change: Callable[[Session], T]) -> T:
+        """Make the last change. When it was made though its answer was lost, another try finds another state."""
 
-        When it was made though its answer was lost, the next try finds another state and does nothing.
-        """
-        deadline = time.monotonic() + self._runtime.worker_settings.finish_patience
-        delay = 0.1
-        while True:
-            try:
-                with self._runtime.database.session() as session:
-                    return change(session)
-            except SQLAlchemyError as error:
-                if time.monotonic() + delay > deadline:
-                    raise
-                logger.warning("job %s: cannot write its end, trying again: %s", self._job.job_id, error)
-            time.sleep(delay)
-            delay = min(delay * 2, 5.0)
+        def write() -> T:
+            with self._runtime.database.session() as session:
+                return change(session)
+
+        return patiently(write, f"writing the end of job {self._job.job_id}", self._runtime.worker_settings.patience)

@@ -5,11 +5,13 @@ from __future__ import annotations
 import os
 import stat
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from shapery_contracts.errors import ShaperyError
 from shapery_platform.jobs import NewArtifact
 from shapery_platform.storage import ObjectStore
+from shapery_worker.patience import patiently
 
 _LONGEST_NAME = 255
 
@@ -68,7 +70,9 @@ def list_output(folder: Path) -> list[tuple[str, Path]]:
     return sorted(found)
 
 
-def store_output(store: ObjectStore, folder: Path, go_on: Callable[[], None]) -> list[NewArtifact]:
+def store_output(
+    store: ObjectStore, folder: Path, go_on: Callable[[], None], patience: float = 0.0
+) -> list[NewArtifact]:
     """Put the files below `folder` into the store; they are moved where that is possible.
 
     Nothing refers to them yet: if the caller dies now, or its lease was lost, the sweep removes them.
@@ -81,10 +85,12 @@ def store_output(store: ObjectStore, folder: Path, go_on: Callable[[], None]) ->
         What the handler left; nobody writes to it any more.
     go_on
         Called before every file; what it raises ends the publishing.
+    patience
+        Seconds for which a store that does not answer is asked again, for each file.
     """
     artifacts = []
     for name, path in list_output(folder):
         go_on()
-        blob = store.put_file(path, move=True)
+        blob = patiently(partial(store.put_file, path, move=True), f"storing {name!r}", patience, go_on)
         artifacts.append(NewArtifact(name=name, sha256=blob.sha256, size=blob.size, media_type=media_type(name)))
     return artifacts

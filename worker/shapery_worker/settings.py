@@ -41,8 +41,8 @@ class WorkerSettings(BaseSettings):
     shutdown_grace: Annotated[float, Field(ge=0)] = 10.0
     """Seconds that running jobs have to finish when the worker is told to stop; then they are given back to the
     queue, which does not count as a failed attempt."""
-    finish_patience: Annotated[float, Field(ge=0)] = 60.0
-    """Seconds for which a finished job's result is kept while the database does not answer."""
+    patience: Annotated[float, Field(ge=0)] = 60.0
+    """Seconds for which a running job waits for a database or a store that does not answer, with its result kept."""
     metrics_port: Annotated[int, Field(ge=0, le=65535)] | None = None
     """Port of the Prometheus metrics; none: no metrics are collected."""
     metrics_host: str = "127.0.0.1"

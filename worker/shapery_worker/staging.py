@@ -10,6 +10,7 @@ from shapery_contracts.errors import InvalidInput, ShaperyError
 from shapery_platform.jobs import ClaimedInput
 from shapery_platform.storage import ObjectStore
 from shapery_platform.storage.content import StoredObjectMissing
+from shapery_worker.patience import patiently
 
 
 class StoredObjectDamaged(ShaperyError):
@@ -21,6 +22,7 @@ def stage_inputs(
     inputs: Mapping[str, Sequence[ClaimedInput]],
     folder: Path,
     go_on: Callable[[], None],
+    patience: float = 0.0,
 ) -> dict[str, Path]:
     """Copy a job's inputs into `folder`.
 
@@ -34,6 +36,8 @@ def stage_inputs(
         An empty folder.
     go_on
         Called for every piece; what it raises ends the staging.
+    patience
+        Seconds for which a store that does not answer is asked again.
 
     Returns
     -------
@@ -49,14 +53,18 @@ def stage_inputs(
     """
     staged: dict[str, Path] = {}
     for name, files in inputs.items():
+
+        def stage(file: ClaimedInput, target: Path, name: str = name) -> None:
+            patiently(lambda: _stage(store, file, name, target, go_on), f"staging {file.filename!r}", patience, go_on)
+
         if len(files) == 1:
             target = folder / f"{name}{files[0].extension}"
-            _stage(store, files[0], name, target, go_on)
+            stage(files[0], target)
         else:
             target = folder / name
             target.mkdir()
             for file, unique in zip(files, unique_names(files), strict=True):
-                _stage(store, file, name, target / unique, go_on)
+                stage(file, target / unique)
         staged[name] = target
     return staged
 
@@ -81,7 +89,7 @@ def _stage(store: ObjectStore, file: ClaimedInput, name: str, target: Path, go_o
     size = 0
     try:
         chunks = store.iter_range(file.key)
-        with target.open("xb") as copy:
+        with target.open("wb") as copy:
             for chunk in chunks:
                 go_on()
                 digest.update(chunk)

@@ -16,10 +16,18 @@ pytestmark = pytest.mark.server
 ARTIFACTS = {"a.json": 1000}
 
 
-def test_a_job_runs_on_while_redis_is_away_and_the_worker_comes_back(stack: Stack, redis: RedisServer) -> None:
+def test_jobs_run_on_while_redis_is_away_and_the_worker_comes_back(stack: Stack, redis: RedisServer) -> None:
     stack.start_worker(concurrency=1)
     stack.start_reaper()
-    for round_ in range(3):
+    # At the very end of a job its message is acknowledged: killed in that moment, Redis used to leave a deaf worker.
+    for _ in range(3):
+        assert stack.wait(stack.submit()).state is JobState.SUCCEEDED
+        redis.kill()
+        redis.start()
+        began = time.monotonic()
+        assert stack.wait(stack.submit()).state is JobState.SUCCEEDED
+        measures.record("kill of Redis under an idle worker: until a job is done", time.monotonic() - began)
+    for round_ in range(2):
         running = stack.submit(steps=8, step_seconds=0.25, artifacts=ARTIFACTS, seed=round_)
         stack.wait_until_running(running)
         redis.kill()
@@ -34,17 +42,6 @@ def test_a_job_runs_on_while_redis_is_away_and_the_worker_comes_back(stack: Stac
         first = stack.wait(running)
         expected_end(first, artifacts=ARTIFACTS, seed=round_, stack=stack)
         assert first.attempt == job.attempt == 1
-
-
-def test_an_idle_worker_takes_jobs_soon_after_redis_was_killed(stack: Stack, redis: RedisServer) -> None:
-    stack.start_worker(concurrency=1)
-    stack.start_reaper()
-    assert stack.wait(stack.submit()).state is JobState.SUCCEEDED
-    redis.kill()
-    redis.start()
-    began = time.monotonic()
-    assert stack.wait(stack.submit()).state is JobState.SUCCEEDED
-    measures.record("kill of Redis under an idle worker: until a job is done", time.monotonic() - began)
 
 
 def test_messages_that_redis_lost_are_sent_again(stack: Stack, redis: RedisServer) -> None:
@@ -64,7 +61,7 @@ def test_messages_that_redis_lost_are_sent_again(stack: Stack, redis: RedisServe
 def test_jobs_without_a_message_are_found_and_several_reapers_get_along(stack: Stack) -> None:
     jobs = [stack.submit(artifacts=ARTIFACTS, seed=seed, enqueue=False) for seed in range(12)]
     stack.start_worker()
-    for _ in range(3):
+    for _ in range(2):
         stack.start_reaper()
     for seed, job in enumerate(stack.wait_all(jobs)):
         expected_end(job, artifacts=ARTIFACTS, seed=seed, stack=stack)

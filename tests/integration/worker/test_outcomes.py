@@ -165,6 +165,22 @@ def test_damaged_input_is_never_computed_with(shared_stack: Stack) -> None:
     assert "SHA-256" in job.error.message
 
 
+def test_a_result_waits_for_a_store_that_is_away(shared_stack: Stack) -> None:
+    objects = shared_stack.home / "objects"
+    away = objects.rename(shared_stack.home / "away")
+    try:
+        job_id = shared_stack.submit(artifacts={"a.json": 100}, seed=9)
+        shared_stack.until(
+            lambda: "storing 'a.json' failed and is tried again" in shared_stack.logs(10_000), "it fails"
+        )
+        assert shared_stack.view(job_id).state is JobState.RUNNING
+    finally:
+        away.rename(objects)
+    job = shared_stack.wait(job_id)
+    expected_end(job, artifacts={"a.json": 100}, seed=9, stack=shared_stack)
+    assert job.attempt == 1
+
+
 def test_a_message_that_comes_twice_or_for_nothing_does_nothing(shared_stack: Stack) -> None:
     from uuid import uuid4
 

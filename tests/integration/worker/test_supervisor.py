@@ -24,7 +24,7 @@ ARTIFACTS = {"a.json": 1000}
 
 def test_once_tries_everything_and_exits(tmp_path: Path) -> None:
     with platform(tmp_path) as tried:
-        assert tried.start("--once").wait(120) == 0
+        assert tried.start("--once", "--service", "probe").wait(120) == 0
         assert "Shapery was ready at http://127.0.0.1:" in (tmp_path / "up.log").read_text()
 
 
