@@ -124,9 +124,10 @@ def otsu(values: NDArray[Any]) -> float:
     weight = np.cumsum(counts)
     moment = np.cumsum(counts * centres)
     rest = weight[-1] - weight
-    with np.errstate(divide="ignore", invalid="ignore"):
-        between = (moment[-1] * weight / weight[-1] - moment) ** 2 / (weight * rest)
-    return float(centres[int(np.nanargmax(between))])
+    both = (weight > 0) & (rest > 0)
+    between = np.zeros(len(counts))
+    between[both] = (moment[-1] * weight / weight[-1] - moment)[both] ** 2 / (weight * rest)[both]
+    return float(centres[int(between.argmax())])
 
 
 def largest_part(mask: BoolArray) -> BoolArray:
@@ -175,7 +176,7 @@ def _strip(image: NDArray[np.float32], foreground: BoolArray) -> BoolArray:
         return np.zeros_like(foreground)
     middle = float(np.median(values))
     spread = 1.4826 * float(np.median(np.abs(values - middle)))
-    tissue = head & (image > middle - 2.5 * spread) & (image > 0.5 * middle) & (image < middle + 4.0 * spread)
+    tissue = head & (image > middle - 2.5 * spread) & (image > 0.6 * middle) & (image < middle + 4.0 * spread)
     # Scalp is never deeper than this; near the rim only what an inner core reaches counts.
     seed = eroded(tissue & (depth > 6.0), 3)
     labels, count = ndimage.label(seed)
@@ -184,8 +185,10 @@ def _strip(image: NDArray[np.float32], foreground: BoolArray) -> BoolArray:
     # The part with the most depth, not the most voxels: muscles of the neck are large, but near the skin.
     weight = ndimage.sum_labels(np.where(seed, depth, 0.0), labels, np.arange(1, count + 1))
     core = labels == int(np.argmax(weight)) + 1
-    grown = dilated(core, 4) & tissue & (depth > 4.0)
-    return np.asarray(closed(largest_part(grown), 4) & (depth > 4.0))
+    # Step by step through tissue: a ball of the same reach would jump the skull.
+    for _ in range(5):
+        core = core | (dilated(core, 1) & tissue)
+    return np.asarray(closed(core, 4) & (depth > 4.0))
 
 
 def _background_value(volume: Volume) -> float | None:

@@ -22,12 +22,12 @@ from shapery_contracts.segmentation import SegmentationParams, SegmentationResul
 from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.volume import Volume
 from shapery_segmentation.brain import Brain, find_brain
-from shapery_segmentation.calibration import Calibration, calibrate
+from shapery_segmentation.calibration import calibrate
 from shapery_segmentation.labels import ENCLOSED, OBJECT
 from shapery_segmentation.objects import Recovered, recover
 from shapery_segmentation.preparation import check_overlap, check_volume
 from shapery_segmentation.report import describe, versions
-from shapery_segmentation.seeding.candidates import Candidate, find_candidates
+from shapery_segmentation.seeding.candidates import find_candidates
 from shapery_segmentation.seeding.points import candidates_from_points, check_points
 
 BoolArray = NDArray[np.bool_]
@@ -135,13 +135,22 @@ def segment(
         calibration = calibrate(brain, post, pre)
 
     with run.stage("seed"):
-        candidates = _seeds(brain, calibration, params, warnings, run)
+        search = find_candidates(calibration, brain.mask, brain.grid.spacing, check_cancelled=run.check)
+        candidates = list(search.candidates)
+        if params.seeds:
+            candidates = candidates_from_points(params.seeds, brain, calibration, search.weight, warnings)
+        elif not calibration.subtracted:
+            warnings.append(
+                "Without a volume before contrast, enhancement is told from bright tissue by its brightness alone: "
+                "check the result, or give a seed."
+            )
 
     with run.stage("evolve"):
         found = recover(
             brain,
             calibration,
             candidates,
+            search.weight,
             params,
             check_cancelled=run.check,
             on_progress=lambda share, message: run.tell("evolve", 0.45 + 0.45 * share, message),
@@ -163,21 +172,6 @@ def segment(
     )
     run.tell("label", 1.0, "")
     return Segmentation(post.with_data(labels), tuple(item.surface for item in found), report)
-
-
-def _seeds(
-    brain: Brain, calibration: Calibration, params: SegmentationParams, warnings: list[str], run: _Run
-) -> list[Candidate]:
-    """Return the candidates to start from: the user's seeds, or those found that are likely tumors."""
-    search = find_candidates(calibration, brain.mask, brain.grid.spacing, check_cancelled=run.check)
-    if params.seeds:
-        return candidates_from_points(params.seeds, brain, calibration, search.weight, warnings)
-    if not calibration.subtracted:
-        warnings.append(
-            "Without a volume before contrast, enhancement is told from bright tissue by its brightness alone: "
-            "check the result, or give a seed."
-        )
-    return list(search.candidates)
 
 
 def _labels(brain: Brain, found: list[Recovered]) -> NDArray[np.uint8]:

@@ -1,6 +1,6 @@
-"""``python -m shapery_segmentation.warm``: compile every kernel once, so that no job waits for the compiler.
+"""``python -m shapery_segmentation.warm``: compile every kernel of the service once, so that the first job is fast.
 
-Set-up and the worker's image run it; numba keeps what it compiled in its cache (`NUMBA_CACHE_DIR`, or beside the code).
+numba keeps what it compiled beside the sources (or in ``NUMBA_CACHE_DIR``); later processes load it.
 """
 
 from __future__ import annotations
@@ -9,16 +9,41 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
-from shapery_segmentation import segment, write_outputs
-from shapery_segmentation.phantoms import head_phantom
+from shapery_contracts.segmentation import SegmentationParams
 
 
 def warm() -> None:
-    """Segment a small head with a tumor, from both volumes to all outputs."""
-    head = head_phantom(np.random.default_rng(0), shape=(64, 72, 64), spacing=(2.8, 2.8, 2.8))
+    """Run the whole service on a small head: all its kernels, readers and writers."""
+    from shapery_geometry.volume import Volume
+    from shapery_geometry.volume_io import read_volume
+    from shapery_segmentation.phantoms import TumorSpec, head_phantom
+    from shapery_segmentation.phantoms.__main__ import write_phantom
+    from shapery_segmentation.pipeline import segment
+    from shapery_segmentation.report import write_outputs
+
+    spacing = 3.0
+    phantom = head_phantom(
+        np.random.default_rng(1), (54, 64, 54), (spacing,) * 3, tumors=[TumorSpec(radius=18.0, rim=7.0)], noise=0.01
+    )
     with tempfile.TemporaryDirectory() as folder:
-        write_outputs(segment(head.post, head.pre), Path(folder))
+        write_phantom(phantom, Path(folder))
+        post, pre = (read_volume(Path(folder) / name) for name in ("post.nii.gz", "pre.nii.gz"))
+        # A seed in the middle of the tumor, so that something evolves whatever the search thinks of this coarse head.
+        params = SegmentationParams(seeds=[list(phantom.tumors[0].center)])
+        write_outputs(segment(post, pre, params=params), Path(folder) / "resampled")
+        # Voxels of the working spacing take another path than resampled ones, and so do other types of voxels.
+        fine = Volume(np.repeat(np.repeat(np.repeat(post.data, 3, 0), 3, 1), 3, 2), _thirds(post.affine))
+        before = Volume(np.repeat(np.repeat(np.repeat(pre.data, 3, 0), 3, 1), 3, 2), fine.affine)
+        segment(Volume(fine.data.astype(np.float32), fine.affine), before, params=params)
+
+
+def _thirds(affine: NDArray[np.float64]) -> NDArray[np.float64]:
+    fine = affine.copy()
+    fine[:3, :3] /= 3.0
+    fine[:3, 3] += affine[:3, :3] @ np.full(3, -1.0 / 3.0)
+    return fine
 
 
 if __name__ == "__main__":

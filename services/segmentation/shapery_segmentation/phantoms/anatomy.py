@@ -74,14 +74,21 @@ def sinuses(rng: np.random.Generator) -> FloatArray:
     around = np.deg2rad(np.linspace(-85, -17, 10))
     side = [torcular, *(on_wall((np.cos(a), np.sin(a), -0.42), 3.2) for a in around)]
     side += [on_wall((0.75, -0.30, -0.62), 3.0), on_wall((0.58, -0.26, -0.78), 2.5)]
-    junction = np.array(((0.0, -44.0, 10.0), (0.0, -60.0, 2.0)))
     large, small = rng.uniform(3.6, 4.6), rng.uniform(1.8, 2.8)
     right, left = (large, small) if rng.random() < 0.7 else (small, large)
-    straight = chain(np.vstack((junction, torcular)), [1.6, 2.0, 2.4])
-    inner = chain([[2.5, 8, 11], [2.5, -12, 11], [1.5, -32, 9], [0, -44, 10]], [0.8, 1.0, 1.3, 1.8])
+    junction = np.array([[0.0, -44.0, 10.0], [0.0, -60.0, 2.0]])
+    straight = chain(np.concatenate((junction, torcular[None])), [1.6, 2.0, 2.4])
+    inner = chain([[2.5, 8.0, 11.0], [2.5, -12.0, 11.0], [1.5, -32.0, 9.0], [0.0, -44.0, 10.0]], [0.8, 1.0, 1.3, 1.8])
     pituitary = chain([[-4, 16, -31], [4, 16, -31]], 3.5)
     cavernous = chain([[12, 20, -31], [13, 8, -31]], 3.0)
-    parts = [superior, chain(side, right), mirrored(chain(side, left)), straight, inner, mirrored(inner)]
+    parts: list[FloatArray] = [
+        superior,
+        chain(np.stack(side), right),
+        mirrored(chain(np.stack(side), left)),
+        straight,
+        inner,
+        mirrored(inner),
+    ]
     return np.concatenate([*parts, pituitary, cavernous, mirrored(cavernous)])
 
 

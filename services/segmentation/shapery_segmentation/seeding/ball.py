@@ -18,6 +18,9 @@ from shapery_segmentation.seeding import _ball_kernels as kernels
 
 BoolArray = NDArray[np.bool_]
 
+COARSE_TOLERANCE = 0.15
+"""A ball on larger voxels is taken if its volume differs from the region's by less than this share."""
+
 
 @cache
 def _simple_table() -> BoolArray:
@@ -57,6 +60,37 @@ def ball_inside(region: BoolArray, *, least_depth: float = 0.0) -> tuple[BoolArr
     else:
         ball[tuple(start)] = True
     return np.ascontiguousarray(ball[1:-1, 1:-1, 1:-1]), start - 1
+
+
+def seed_ball(
+    region: BoolArray, affine: NDArray[np.float64]
+) -> tuple[BoolArray, NDArray[np.float64], NDArray[np.int64]]:
+    """Return a ball that fills `region`, on voxels twice as large where these can hold it.
+
+    Parameters
+    ----------
+    region : (I, J, K) bool
+        At least one voxel.
+    affine : (4, 4) float64
+        From voxel index to RAS mm.
+
+    Returns
+    -------
+    The ball, its affine, and the voxel (3,) it was grown from. Larger voxels give a quarter of the triangles, which
+    the flow would have to collapse one by one; thin regions need their own voxels.
+    """
+    padded = np.pad(region, [(0, -n % 2) for n in region.shape])
+    a, b, c = (n // 2 for n in padded.shape)
+    half = padded.reshape(a, 2, b, 2, c, 2).mean(axis=(1, 3, 5)) >= 0.5
+    if half.any():
+        ball, start = ball_inside(half)
+        if abs(8.0 * np.count_nonzero(ball & half) / np.count_nonzero(region) - 1.0) < COARSE_TOLERANCE:
+            coarse = affine.copy()
+            coarse[:3, :3] *= 2.0
+            coarse[:3, 3] += affine[:3, :3] @ np.full(3, 0.5)
+            return ball, coarse, start
+    ball, start = ball_inside(region)
+    return ball, affine, start
 
 
 def surface_of(inside: BoolArray, affine: NDArray[np.float64]) -> TriangleMesh:

@@ -23,11 +23,15 @@ SEED_THRESHOLD = 2.0
 """Enhancement, in units of the calibrated difference, above which voxels make a seed. The surface's own threshold,
 which may be lower, follows from the seed."""
 
+LEAST_EVIDENCE_MM3 = 100.0
+"""Candidates with less are not looked at: half of the evidence that is asked for in the end, and some margin."""
+
 LEAST_WEIGHT = 0.25
 """Evidence below which a voxel joins no candidate: vessels that touch a tumor are parted from it here."""
 
-HALF_CONFIDENCE_MM3 = 900.0
-"""Evidence (mm³ weighted by it) at which a candidate is as likely a tumor as not."""
+CLEARLY_MORE = (2.8, 0.2)
+"""Centre and width of a step in the median enhancement of a candidate: bias fields that differ between the volumes
+raise whole lobes of white matter to 2.0 to 2.5."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,9 +43,11 @@ class Candidate:
     voxels : (I, J, K) bool
         On the working grid.
     evidence_mm3
-        Volume of the voxels, each weighted by its evidence.
+        Volume of the voxels, each weighted by its evidence; less where they hardly enhance more than normal brain.
     peak
         Of the second class of the octree's cells, in units of the calibrated difference.
+    median
+        Median enhancement, in the same units.
     seeded_by
         Whether it was found, or given by the user.
     """
@@ -49,12 +55,8 @@ class Candidate:
     voxels: BoolArray
     evidence_mm3: float
     peak: float
+    median: float
     seeded_by: Literal["automatic", "user"] = "automatic"
-
-    @property
-    def confidence(self) -> float:
-        """In [0, 1]: 0.5 at the evidence of the largest false alarms."""
-        return self.evidence_mm3 / (self.evidence_mm3 + HALF_CONFIDENCE_MM3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,12 +115,20 @@ def find_candidates(
         return Search((), weight, octree, plane)
     numbers = np.arange(1, count + 1)
     masses = np.asarray(ndimage.sum_labels(weight, labels, numbers)) * spacing**3
-    peaks = np.asarray(ndimage.median(peak, labels, numbers))
     order = np.argsort(-masses, kind="stable")[:limit]
-    found = tuple(
-        Candidate(np.asarray(labels == numbers[n]), float(masses[n]), float(peaks[n])) for n in order if masses[n] > 0
-    )
-    return Search(found, weight, octree, plane)
+    boxes = ndimage.find_objects(labels)
+    found = []
+    for n in order:
+        if masses[n] < LEAST_EVIDENCE_MM3:
+            break
+        own = labels[boxes[n]] == numbers[n]
+        median = float(np.median(field[boxes[n]][own]))
+        clear = 1.0 / (1.0 + float(np.exp((CLEARLY_MORE[0] - median) / CLEARLY_MORE[1])))
+        voxels = np.zeros(labels.shape, dtype=np.bool_)
+        voxels[boxes[n]] = own
+        found.append(Candidate(voxels, float(masses[n]) * clear, float(np.median(peak[boxes[n]][own])), median))
+    found.sort(key=lambda candidate: -candidate.evidence_mm3)
+    return Search(tuple(found), weight, octree, plane)
 
 
 def first_threshold(peak: float) -> float:

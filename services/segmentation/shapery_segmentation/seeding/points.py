@@ -87,7 +87,13 @@ def candidates_from_points(
         around = near[np.linalg.norm(near + low - nearest, axis=1) * grid.spacing <= NEAR] + low
         voxels[tuple(around.T)] = True
         found.append(
-            Candidate(voxels, float(weight[voxels].sum()) * grid.spacing**3, float(np.median(field[voxels])), "user")
+            Candidate(
+                voxels,
+                float(weight[voxels].sum()) * grid.spacing**3,
+                float(np.median(field[voxels])),
+                float(np.median(field[voxels])),
+                "user",
+            )
         )
     if not found:
         raise InvalidInput(
