@@ -1,6 +1,8 @@
-"""One step of the normal flow: speeds at the vertices, collisions ahead, sleep, oscillation and aging."""
+"""One step of the normal flow: speeds at the vertices, obstacles ahead, oscillation and aging, sleep."""
 
 # mypy: allow-untyped-defs, allow-untyped-calls
+
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -8,34 +10,24 @@ from numba import njit
 from shapery_segmentation.mesh._cells_kernels import gather
 from shapery_segmentation.mesh._contact_kernels import dot, inner, subtract
 from shapery_segmentation.mesh._grid_kernels import corners, normal, point
-from shapery_segmentation.mesh._motion_kernels import MOVED
-from shapery_segmentation.mesh._operation_kernels import following, origin, preceding, twin
-from shapery_segmentation.mesh.arrays import (
-    AREA,
-    CREATED,
-    OUT,
-    RELINKED,
-    SCALE,
-    TOUCHED,
-    UNTOUCHED,
-    VERTEX_TOP,
-)
+from shapery_segmentation.mesh._operation_kernels import compactness, following, origin, preceding, twin
+from shapery_segmentation.mesh.arrays import AREA, CREATED, OUT, RELINKED, SCALE, TOUCHED, UNTOUCHED, VERTEX_TOP
 
-# Columns of the vertex state (float64).
-NET = 0  # normal way since the window began, mm
+# Columns of the vertices' state (float64).
+NET = 0  # way along the normal since the window began, mm
 GAIN = 1  # share of the full step; falls with every change of direction
-LAST_SPEED = 2  # speed at the previous position
-LAST_X = 3  # previous position (3)
-STEP = 6  # way along the normal of the last step, mm
-STATE_COLUMNS = 7
+STEP = 2  # way along the normal of the last step, mm
+LAST = 3  # previous position (3)
+STATE_COLUMNS = 6
 
-# Columns of the vertex counters (int32).
+# Columns of the vertices' counters (int32).
 MODE = 0
-FLIPS = 1  # changes of direction so far
+FLIPS = 1  # changes of direction in a row
 SIGN = 2  # direction of the last step
 AGE = 3  # steps since the window began
-BLOCKED = 4  # consecutive steps that a collision forbade
-COUNTER_COLUMNS = 5
+BLOCKED = 4  # steps in a row that an obstacle forbade
+WISH = 5  # what would help a blocked vertex
+COUNTER_COLUMNS = 6
 
 # Values of MODE.
 AWAKE = 0
@@ -43,60 +35,94 @@ ASLEEP = 1
 AGED = 2
 FROZEN = 3
 
+# Values of WISH.
+NONE = 0
+REFINE = 1
+COLLAPSE = 2
+
 # Speed models.
 THRESHOLD = 0
 GRADIENT = 1
 
-# Results of `_obstacle`.
-NOTHING = 0
+# Sides of an obstacle.
+NOWHERE = 0
 AHEAD = 1
 BEHIND = 2
 
+STEADY = 4
+"""Steps without a change of direction after which the changes before no longer count as consecutive."""
+
+LARGEST_STEP = 0.5
+"""Edge lengths that a vertex moves along its normal at the most."""
+
+SAMPLES = 4
+"""Points at which the speed is looked at on the way back to the previous position, when a vertex is stopped."""
+
+
+class Dials(NamedTuple):
+    """Numbers that a step depends on; see `shapery_segmentation.flow.params` for what they mean."""
+
+    model: int
+    threshold: float
+    balloon: float
+    length: float
+    step: float
+    bend: float
+    slide: float
+    front: float
+    rear: float
+    opposed: float
+    aging: int
+    patience: int
+    window: int
+    rest: float
+    stir: float
+    least_scale: float
+
 
 @inner
-def sample(field, inverse, p, outside):
-    """Return the trilinear interpolation of `field` at the point `p` (RAS mm), and whether it lies in the grid.
-
-    Beyond the outermost voxel centres the value is `outside`.
-    """
+def sample(field, inverse, p):
+    """Return the trilinear interpolation of `field` at the point `p` (RAS mm), and whether `p` lies in the grid."""
     x = inverse[0, 0] * p[0] + inverse[0, 1] * p[1] + inverse[0, 2] * p[2] + inverse[0, 3]
     y = inverse[1, 0] * p[0] + inverse[1, 1] * p[1] + inverse[1, 2] * p[2] + inverse[1, 3]
     z = inverse[2, 0] * p[0] + inverse[2, 1] * p[1] + inverse[2, 2] * p[2] + inverse[2, 3]
     ni, nj, nk = field.shape
     if not (0.0 <= x <= ni - 1 and 0.0 <= y <= nj - 1 and 0.0 <= z <= nk - 1):
-        return outside, False
+        return 0.0, False
+    # The last voxel is the far end of the last cell; along an axis of one voxel both ends are the same.
     i, j, k = min(np.int64(x), max(ni - 2, 0)), min(np.int64(y), max(nj - 2, 0)), min(np.int64(z), max(nk - 2, 0))
     i1, j1, k1 = min(i + 1, ni - 1), min(j + 1, nj - 1), min(k + 1, nk - 1)
     u, v, w = x - i, y - j, z - k
-    a = (field[i, j, k] * (1.0 - w) + field[i, j, k1] * w) * (1.0 - v) + (
-        field[i, j1, k] * (1.0 - w) + field[i, j1, k1] * w
-    ) * v
-    b = (field[i1, j, k] * (1.0 - w) + field[i1, j, k1] * w) * (1.0 - v) + (
-        field[i1, j1, k] * (1.0 - w) + field[i1, j1, k1] * w
-    ) * v
+    a = (field[i, j, k] * (1.0 - w) + field[i, j, k1] * w) * (1.0 - v)
+    a += (field[i, j1, k] * (1.0 - w) + field[i, j1, k1] * w) * v
+    b = (field[i1, j, k] * (1.0 - w) + field[i1, j, k1] * w) * (1.0 - v)
+    b += (field[i1, j1, k] * (1.0 - w) + field[i1, j1, k1] * w) * v
     return a * (1.0 - u) + b * u, True
 
 
 @inner
-def _speed(field, allowed, inverse, model, threshold, balloon, p, n, length):
-    """Return the speed along the normal `n` at the point `p`, in [−1, 1] for the threshold model.
+def speed_at(field, inverse, allowed, inverse_allowed, dials, p, n):
+    """Return the speed along the normal `n` at the point `p`, in [−1, 1], without the curvature.
 
-    See `shapery_segmentation.flow.normal` for the two models; curvature is added elsewhere.
+    Outside the grid, and where nothing is allowed, it is −1; across the border of what is allowed it falls linearly.
     """
-    value, inside = sample(field, inverse, p, 0.0)
-    if not inside or np.isnan(value):
+    value, inside = sample(field, inverse, p)
+    if not inside:
         return -1.0
     gate = 1.0
     if allowed.shape[0] > 0:
-        gate, _ = sample(allowed, inverse, p, 0.0)
-    if model == THRESHOLD:
-        drive = np.tanh(value - threshold)
+        gate, inside = sample(allowed, inverse_allowed, p)
+    if dials.model == THRESHOLD:
+        drive = np.tanh(value - dials.threshold)
     else:
-        # v·g − ∇g·n, the derivative taken over one edge length, in which the step is measured, too.
-        half = 0.5 * length
-        ahead, _ = sample(field, inverse, (p[0] + half * n[0], p[1] + half * n[1], p[2] + half * n[2]), value)
-        back, _ = sample(field, inverse, (p[0] - half * n[0], p[1] - half * n[1], p[2] - half * n[2]), value)
-        drive = max(-1.0, min(1.0, balloon * value - (ahead - back)))
+        # g·v − ∇g·n, the derivative taken over one edge length, in which the step is measured, too.
+        half = 0.5 * dials.length
+        ahead, known_ahead = sample(field, inverse, (p[0] + half * n[0], p[1] + half * n[1], p[2] + half * n[2]))
+        back, known_back = sample(field, inverse, (p[0] - half * n[0], p[1] - half * n[1], p[2] - half * n[2]))
+        drive = dials.balloon * value
+        if known_ahead and known_back:
+            drive -= ahead - back
+        drive = max(-1.0, min(1.0, drive))
     return gate * drive - (1.0 - gate)
 
 
@@ -116,16 +142,29 @@ def _obstacle(m, start, spheres, names, v, p, n, here, front, rear, opposed, fou
         d, e = subtract(c, p), subtract(c, here)
         along = dot(d, n)
         limit = front if along >= 0.0 else rear
-        if dot(d, d) < limit * limit and dot(d, d) < dot(e, e):
-            a, b, c2 = corners(m, g)
-            if v not in (a, b, c2):
-                return (AHEAD if along >= 0.0 else BEHIND), g
-    return NOTHING, np.int64(-1)
+        if dot(d, d) < limit * limit and dot(d, d) < dot(e, e) and v not in corners(m, g):
+            return (AHEAD if along >= 0.0 else BEHIND), g
+    return NOWHERE, np.int64(-1)
+
+
+@inner
+def _wish(field, inverse, allowed, inverse_allowed, dials, side, here, c, n):
+    """Return what would help a vertex at `here` that a face around `c` blocks.
+
+    What matters is what lies half-way. Ahead it is a gap: if nothing of the object is there, it is a small feature that
+    finer triangles can follow; else two fronts meet inside the object, and rest. Behind it is a part of the surface's
+    inside: if that is object, it is thin and wants finer triangles; else it should go, and does by collapsing.
+    """
+    middle = (0.5 * (here[0] + c[0]), 0.5 * (here[1] + c[1]), 0.5 * (here[2] + c[2]))
+    there = speed_at(field, inverse, allowed, inverse_allowed, dials, middle, n)
+    if side == AHEAD:
+        return REFINE if there < 0.0 else NONE
+    return REFINE if there > 0.0 else COLLAPSE
 
 
 @inner
 def _wake(state, counter, v):
-    """Set a vertex at rest going again, unless it has been stopped for its age."""
+    """Set a vertex at rest going again, unless it was stopped for its age."""
     if counter[v, MODE] == ASLEEP or counter[v, MODE] == FROZEN:
         counter[v, MODE] = AWAKE
         counter[v, AGE] = 0
@@ -134,15 +173,15 @@ def _wake(state, counter, v):
 
 
 @njit(cache=True, nogil=True)
-def wake_all(m, state, counter, aged):
-    """Wake every vertex; those stopped for their age too if `aged` is set."""
+def wake_all(m, state, counter):
+    """Wake every vertex, those stopped for their age too: what they rested on has changed."""
     for v in range(m.layout[VERTEX_TOP]):
         if m.vertices[v, OUT] >= 0:
             _wake(state, counter, v)
-            if aged and counter[v, MODE] == AGED:
-                counter[v, MODE] = AWAKE
-                counter[v, FLIPS] = 0
-                state[v, GAIN] = 1.0
+            counter[v, MODE] = AWAKE
+            counter[v, FLIPS] = 0
+            counter[v, SIGN] = 0
+            state[v, GAIN] = 1.0
 
 
 @njit(cache=True, nogil=True)
@@ -165,144 +204,260 @@ def adopt_touched(m, state, counter):
             _wake(state, counter, v)
 
 
+@inner
+def _surround(m, v):
+    """Return the unit normal at `v` (its faces weighted by area), the way to the mean of its neighbours, and 1 or 0."""
+    nx = ny = nz = 0.0
+    ux = uy = uz = 0.0
+    degree = 0
+    first = np.int64(m.vertices[v, OUT])
+    h = first
+    while True:
+        f = h // 3
+        w = np.float64(m.facets[f, AREA])
+        a = normal(m, f)
+        nx += w * a[0]
+        ny += w * a[1]
+        nz += w * a[2]
+        q = point(m, origin(m, following(h)))
+        ux += q[0]
+        uy += q[1]
+        uz += q[2]
+        degree += 1
+        h = twin(m, preceding(h))
+        if h == first:
+            break
+    size = np.sqrt(nx * nx + ny * ny + nz * nz)
+    inverse = 1.0 / size if size > 0.0 else 0.0
+    here = point(m, v)
+    mean = (ux / degree, uy / degree, uz / degree)
+    return (nx * inverse, ny * inverse, nz * inverse), subtract(mean, here), size > 0.0
+
+
+@inner
+def _place_of_rest(state, v, here, speed, field, inverse, allowed, inverse_allowed, dials, n):
+    """Return where between the previous position of `v` and this one the speed is least (Fig. 3.5)."""
+    best = abs(speed)
+    place = here
+    for k in range(1, SAMPLES + 1):
+        t = k / SAMPLES
+        q = (
+            here[0] + t * (state[v, LAST] - here[0]),
+            here[1] + t * (state[v, LAST + 1] - here[1]),
+            here[2] + t * (state[v, LAST + 2] - here[2]),
+        )
+        there = abs(speed_at(field, inverse, allowed, inverse_allowed, dials, q, n))
+        if there < best:
+            best = there
+            place = q
+    return place
+
+
 @njit(cache=True, nogil=True)
 def propose(
-    m, start, spheres, names, state, counter, field, allowed, inverse, model, threshold, balloon, length, step, bend,
-    slide, aging, front, rear, opposed, patience, target, movers,
+    m, start, spheres, names, state, counter, field, inverse, allowed, inverse_allowed, dials, target, movers
 ):  # fmt: skip
-    """Compute where the awake vertices would go.
+    """Compute where the awake vertices would go, and freeze those that something has been in the way of for long.
+
+    Parameters
+    ----------
+    m, start, spheres, names
+        Mesh and its faces sorted by cell.
+    state, counter : (V, 6) float64, (V, 6) int32
+    field, allowed : (I, J, K) float32, uint8
+        `allowed` may be empty: everything is.
+    inverse, inverse_allowed : (3, 4) float64
+        From RAS mm to index.
+    dials : Dials
+    target : (V, 3) float64
+        Receives where movers go.
+    movers : (V,) int32
+        Receives who they are.
 
     Returns
     -------
     int
-        Number of movers written to `movers`, their targets to `target`.
+        How many there are.
     """
     count = 0
     found = np.empty(m.links.shape[0], dtype=np.int32)
     for v in range(m.layout[VERTEX_TOP]):
-        first = np.int64(m.vertices[v, OUT])
-        if first < 0 or counter[v, MODE] != AWAKE:
+        if m.vertices[v, OUT] < 0 or counter[v, MODE] != AWAKE:
+            continue
+        n, u, known = _surround(m, v)
+        if not known:
             continue
         here = point(m, v)
-        nx = ny = nz = 0.0
-        ux = uy = uz = 0.0
-        degree = 0
-        h = first
-        while True:
-            f = h // 3
-            w = m.facets[f, AREA]
-            a = normal(m, f)
-            nx += w * a[0]
-            ny += w * a[1]
-            nz += w * a[2]
-            q = point(m, origin(m, following(h)))
-            ux += q[0]
-            uy += q[1]
-            uz += q[2]
-            degree += 1
-            h = twin(m, preceding(h))
-            if h == first:
-                break
-        size = np.sqrt(nx * nx + ny * ny + nz * nz)
-        if size == 0.0:
-            continue
-        n = (nx / size, ny / size, nz / size)
-        ux, uy, uz = ux / degree - here[0], uy / degree - here[1], uz / degree - here[2]
-        local = length * m.points[v, SCALE]
-        speed = _speed(field, allowed, inverse, model, threshold, balloon, here, n, local)
+        local = dials.length * m.points[v, SCALE]
+        speed = speed_at(field, inverse, allowed, inverse_allowed, dials, here, n)
 
         sign = 1 if speed > 0.0 else -1
-        if counter[v, SIGN] != 0 and sign != counter[v, SIGN]:
+        if counter[v, SIGN] != 0 and sign * counter[v, SIGN] < 0:
             counter[v, FLIPS] += 1
+            counter[v, SIGN] = sign
             state[v, GAIN] *= 0.5
-            if counter[v, FLIPS] >= aging:
-                # Stop where the speed is least on the way from the previous position to this one (Fig. 3.5).
-                best = abs(speed)
-                at = 0.0
-                for k in range(1, 5):
-                    t = 0.25 * k
-                    q = (
-                        here[0] + t * (state[v, LAST_X] - here[0]),
-                        here[1] + t * (state[v, LAST_X + 1] - here[1]),
-                        here[2] + t * (state[v, LAST_X + 2] - here[2]),
-                    )
-                    there = abs(_speed(field, allowed, inverse, model, threshold, balloon, q, n, local))
-                    if there < best:
-                        best = there
-                        at = t
+            if counter[v, FLIPS] >= dials.aging:
                 counter[v, MODE] = AGED
-                if at > 0.0:
-                    for axis in range(3):
-                        target[v, axis] = here[axis] + at * (state[v, LAST_X + axis] - here[axis])
-                    movers[count] = v
-                    count += 1
+                p = _place_of_rest(state, v, here, speed, field, inverse, allowed, inverse_allowed, dials, n)
+                state[v, STEP] = 0.0
+                for axis in range(3):
+                    target[v, axis] = p[axis]
+                movers[count] = v
+                count += 1
                 continue
         else:
+            # The magnitude counts steps in one direction.
+            counter[v, SIGN] += sign
             state[v, GAIN] = min(1.0, 1.1 * state[v, GAIN])
-        counter[v, SIGN] = sign
+            if abs(counter[v, SIGN]) > STEADY:
+                counter[v, FLIPS] = 0
 
-        along = ux * n[0] + uy * n[1] + uz * n[2]
-        forward = step * local * state[v, GAIN] * speed + bend * along
-        forward = max(-0.5 * local, min(0.5 * local, forward))
-        dx = forward * n[0] + slide * (ux - along * n[0])
-        dy = forward * n[1] + slide * (uy - along * n[1])
-        dz = forward * n[2] + slide * (uz - along * n[2])
-        p = (here[0] + dx, here[1] + dy, here[2] + dz)
-        side, _ = _obstacle(m, start, spheres, names, v, p, n, here, front * local, rear * local, opposed, found)
-        if side != NOTHING:
-            counter[v, BLOCKED] += 1
-            counter[v, AGE] += 1
-            if counter[v, BLOCKED] >= patience:
-                counter[v, MODE] = FROZEN
-            continue
-        counter[v, BLOCKED] = 0
-        state[v, LAST_SPEED] = speed
-        for axis in range(3):
-            state[v, LAST_X + axis] = here[axis]
-            target[v, axis] = p[axis]
-        state[v, STEP] = forward
+        along = dot(u, n)
+        forward = dials.step * local * state[v, GAIN] * speed
+        bend = dials.bend
+        if dials.model == GRADIENT:
+            # In Eq. 3.1 the curvature is multiplied by g.
+            value, _ = sample(field, inverse, here)
+            bend *= value
+        forward = max(-LARGEST_STEP * local, min(LARGEST_STEP * local, forward + bend * along))
+        p = (
+            here[0] + forward * n[0] + dials.slide * (u[0] - along * n[0]),
+            here[1] + forward * n[1] + dials.slide * (u[1] - along * n[1]),
+            here[2] + forward * n[2] + dials.slide * (u[2] - along * n[2]),
+        )
         counter[v, AGE] += 1
+        side, g = _obstacle(
+            m, start, spheres, names, v, p, n, here, dials.front * local, dials.rear * local, dials.opposed, found
+        )
+        if side != NOWHERE:
+            counter[v, BLOCKED] += 1
+            if counter[v, BLOCKED] >= dials.patience:
+                c = (np.float64(m.facets[g, 0]), np.float64(m.facets[g, 1]), np.float64(m.facets[g, 2]))
+                counter[v, MODE] = FROZEN
+                counter[v, WISH] = _wish(field, inverse, allowed, inverse_allowed, dials, side, here, c, n)
+            continue
+        state[v, STEP] = forward
+        for axis in range(3):
+            state[v, LAST + axis] = here[axis]
+            target[v, axis] = p[axis]
         movers[count] = v
         count += 1
     return count
 
 
 @njit(cache=True, nogil=True)
-def settle(m, state, counter, moved, movers, count, length, window, rest, stir):
+def settle(m, state, counter, moved, batch, movers, dials):
     """Let vertices sleep that got nowhere in a window of steps, and wake the neighbours of those that did.
 
     Returns
     -------
-    awake : int
+    int
         Vertices awake now.
     """
-    for i in range(count):
+    for i in range(movers.shape[0]):
         v = movers[i]
-        if moved[v] == MOVED:
+        if moved[v] == batch:
             state[v, NET] += state[v, STEP]
+            counter[v, BLOCKED] = 0
         else:
-            # Put back: try half the way next time.
+            # Put back because something would have touched: half the way next time.
             state[v, GAIN] *= 0.5
             counter[v, BLOCKED] += 1
+            if counter[v, BLOCKED] >= dials.patience and counter[v, MODE] == AWAKE:
+                counter[v, MODE] = FROZEN
     awake = 0
     for v in range(m.layout[VERTEX_TOP]):
         if m.vertices[v, OUT] < 0 or counter[v, MODE] != AWAKE:
             continue
-        if counter[v, AGE] >= window:
+        if counter[v, AGE] >= dials.window:
             net = abs(state[v, NET])
-            local = length * m.points[v, SCALE]
-            if net > stir * local:
-                start = np.int64(m.vertices[v, OUT])
-                h = start
+            local = dials.length * m.points[v, SCALE]
+            if net > dials.stir * local:
+                first = np.int64(m.vertices[v, OUT])
+                h = first
                 while True:
                     _wake(state, counter, origin(m, following(h)))
                     h = twin(m, preceding(h))
-                    if h == start:
+                    if h == first:
                         break
             counter[v, AGE] = 0
             state[v, NET] = 0.0
-            if net < rest * local:
+            if net < dials.rest * local:
                 counter[v, MODE] = ASLEEP
                 continue
         awake += 1
     return awake
+
+
+@njit(cache=True, nogil=True)
+def answer_wishes(m, state, counter, dials, collapse):
+    """Give finer triangles to frozen vertices that guard a small feature, and name those that should collapse.
+
+    Parameters
+    ----------
+    m, state, counter, dials
+        As in `propose`.
+    collapse : (V,) int8
+        Receives 1 for vertices to collapse.
+
+    Returns
+    -------
+    int
+        Wishes that can be answered.
+    """
+    answered = 0
+    for v in range(m.layout[VERTEX_TOP]):
+        collapse[v] = 0
+        if m.vertices[v, OUT] < 0 or counter[v, WISH] == NONE:
+            continue
+        wish = counter[v, WISH]
+        counter[v, WISH] = NONE
+        if wish == COLLAPSE:
+            collapse[v] = 1
+            answered += 1
+        elif m.points[v, SCALE] > dials.least_scale:
+            scale = max(dials.least_scale, 0.7 * m.points[v, SCALE])
+            m.points[v, SCALE] = scale
+            _wake(state, counter, v)
+            first = np.int64(m.vertices[v, OUT])
+            h = first
+            while True:
+                w = origin(m, following(h))
+                # Edge lengths grow by a third from one vertex to the next.
+                m.points[w, SCALE] = min(m.points[w, SCALE], 1.35 * scale)
+                _wake(state, counter, w)
+                h = twin(m, preceding(h))
+                if h == first:
+                    break
+            answered += 1
+    return answered
+
+
+@njit(cache=True, nogil=True)
+def irregular_vertices(m, counter, least, target, movers):
+    """Find vertices on the move with a face thinner than `least`, and where smoothing would put them.
+
+    Returns
+    -------
+    int
+        How many; written to `movers`, and where they go to `target`.
+    """
+    count = 0
+    for v in range(m.layout[VERTEX_TOP]):
+        if m.vertices[v, OUT] < 0 or (counter[v, MODE] != AWAKE and counter[v, MODE] != FROZEN):
+            continue
+        first = np.int64(m.vertices[v, OUT])
+        h = first
+        thin = False
+        while True:
+            thin = thin or compactness(m, h // 3) < least
+            h = twin(m, preceding(h))
+            if h == first:
+                break
+        if thin:
+            _, u, _ = _surround(m, v)
+            for axis in range(3):
+                target[v, axis] = m.points[v, axis] + 0.5 * u[axis]
+            movers[count] = v
+            count += 1
+    return count

@@ -1,83 +1,81 @@
-"""The normal surface flow (3.4.1): a closed surface moves along its normals until it rests on the object."""
+"""The normal surface flow (3.4.1): a closed surface moves along its normals until it rests on the object.
+
+The equation
+------------
+The dissertation's Eq. 3.1–3.3, with n the outward unit normal, H the mean curvature and v a constant::
+
+    ∂s/∂t = (g·(v + H) − ∇g·n) n,     g = 1 / (1 + |∇(Gσ ∗ I)|²)
+
+and its rule (3.4.1) that a vertex moves outwards where the intensity exceeds a threshold, inwards where it does not.
+Two models of the speed are offered; both work in mm, whatever the spacing and orientation of the grid.
+
+``model="threshold"``
+    F = tanh(U − τ) where the surface is allowed, −1 elsewhere. F stands for g·v: its sign is the rule's, and it falls
+    to zero at the border as g would, but to both sides of it, so the border attracts and −∇g·n is not needed. U is in
+    units of the noise (see `shapery_segmentation.calibration`), and tanh makes all that is surely inside equally fast.
+    τ runs: a share of the median inside, within bounds.
+``model="gradient"``
+    Eq. 3.1 itself, with the gradient in units of a percentile of its own (see `shapery_segmentation.flow.edges`),
+    because g of Eq. 3.3 changes with the unit of the intensities. It stops at edges of any brightness, and runs through
+    gaps in them.
+
+In both a vertex moves ``step·h·F`` along n in one iteration, h the edge length, and on top of that
+``curvature_weight`` of the way to the plane of its neighbours: for a regular mesh that is H·h²/2 with H negative where
+the surface is convex, so the term g·H of Eq. 3.1 with a weight that falls with h² (in the gradient model it is
+multiplied by g). Across n it moves ``tangential_weight`` of the way to the mean of its neighbours, which spreads
+vertices evenly and does not change the surface.
+
+How it ends
+-----------
+A vertex sleeps when its net way along the normal is small, wakes when its neighbours move, is stopped when it has
+changed its direction too often (S5), and is frozen while another part of the surface is in its way (S4). Frozen
+vertices that guard a small feature get finer triangles; those on a thin piece that is not object collapse. Every move
+and every operation on the triangles is tested before it counts (see `shapery_segmentation.mesh`), so the surface stays
+closed, manifold, oriented, of the seed's genus, and free of self-intersections, whatever the field.
+
+A seed that lies in nothing shrinks until it is gone; that is told by ``vanished`` and is no error, because dropping
+false alarms this way is part of the method (3.5.1).
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from shapery_contracts.errors import InvalidInput
 from shapery_geometry.mesh import TriangleMesh
-from shapery_geometry.rasterize import rasterize
-from shapery_geometry.volume import Volume, check_affine
+from shapery_geometry.volume import check_affine
 from shapery_segmentation.flow import _flow_kernels as kernels
+from shapery_segmentation.flow.edges import EdgeIndicator
+from shapery_segmentation.flow.params import FlowResult, FlowState, NormalFlowParams, StageRecord
+from shapery_segmentation.flow.threshold import median_inside
 from shapery_segmentation.mesh import _motion_kernels as motion
+from shapery_segmentation.mesh.arrays import SCALE
 from shapery_segmentation.mesh.dynamic_mesh import DynamicMesh
 
+__all__ = ["FlowResult", "FlowState", "NormalFlowParams", "StageRecord", "normal_flow"]
 
-@dataclass(frozen=True, slots=True)
-class NormalFlowParams:
-    """How to flow."""
+SEED_ROUNDS = 12
+"""Rounds of remeshing at the most that bring a seed to the first edge length."""
 
-    edge_lengths: tuple[float, ...] = (1.5, 1.0)
-    model: Literal["threshold", "gradient"] = "threshold"
-    step: float = 0.3
-    curvature_weight: float = 0.12
-    tangential_weight: float = 0.4
-    threshold_share: float | None = 0.45
-    threshold_range: tuple[float, float] = (1.2, 2.25)
-    threshold_interval: int = 10
-    remesh_interval: int = 4
-    front_gap: float = 1.0
-    rear_gap: float = 0.6
-    opposed: float = 0.4
-    aging_limit: int = 8
-    patience: int = 6
-    window: int = 6
-    rest: float = 0.03
-    stir: float = 0.15
-    balloon: float = 1.0
-    max_iterations: int = 400
-    topology: Literal["preserve"] = "preserve"
+STAGE_ROUNDS = 4
+"""The same from one stage to the next."""
 
+STILL = 0.05
+"""Change of the threshold, in units of the field, that leaves vertices asleep."""
 
-@dataclass(frozen=True, slots=True)
-class FlowState:
-    """Where the flow is, as told to `on_iteration`."""
+NOTHING_LEFT = 2.0
+"""Cubes of the edge length that a surface must enclose to count as being there; a ball of this volume has a radius of
+0.8 edge lengths."""
 
-    iteration: int
-    stage: int
-    vertices: int
-    awake: int
-    threshold: float
+LARGEST_WISHES = 8
+"""Rounds per stage in which blocked vertices get finer triangles or collapse: where both alternate, they would go on
+for ever."""
 
-
-@dataclass(frozen=True, slots=True)
-class StageRecord:
-    """What one stage did."""
-
-    edge_length: float
-    iterations: int
-    converged: bool
-    vertices: int
-    threshold: float
-
-
-@dataclass(frozen=True, slots=True)
-class FlowResult:
-    """The surface at rest."""
-
-    mesh: TriangleMesh
-    threshold: float
-    iterations: int
-    converged: bool
-    vanished: bool
-    asleep: int
-    frozen: int
-    aged: int
-    stages: tuple[StageRecord, ...]
+THIN = 0.3
+"""Compactness (1 for an equilateral triangle) below which a face makes its vertices irregular."""
 
 
 def normal_flow(
@@ -90,116 +88,286 @@ def normal_flow(
     threshold: float,
     on_iteration: Callable[[FlowState], None] | None = None,
 ) -> FlowResult:
-    """Flow."""
-    p = params or NormalFlowParams()
-    affine = check_affine(affine)
-    inverse = np.linalg.inv(affine)[:3]
-    u = np.ascontiguousarray(field, dtype=np.float32)
-    gate = np.zeros((0, 0, 0), np.uint8) if allowed is None else np.ascontiguousarray(allowed).view(np.uint8)
-    mesh = DynamicMesh(seed, p.edge_lengths[0])
-    mesh.remesh(rounds=12)
-    mesh.compact()
-    state = np.zeros((mesh.vertex_slots, kernels.STATE_COLUMNS))
-    state[:, kernels.GAIN] = 1.0
-    counter = np.zeros((mesh.vertex_slots, kernels.COUNTER_COLUMNS), dtype=np.int32)
-    mesh.clear_touched()
-    iteration = 0
-    records: list[StageRecord] = []
-    vanished = False
-    tau = float(threshold)
-    tau_slept = tau
-    for number, length in enumerate(p.edge_lengths):
-        if number:
-            mesh.edge_length = length
-            mesh.remesh(rounds=4)
-            mesh.compact()
-            state, counter = _fitting(mesh, state[:0], counter[:0])
-        first = iteration
-        converged = False
-        stale = True
-        target = np.zeros((mesh.vertex_slots, 3))
-        old = np.zeros((mesh.vertex_slots, 3))
-        moved = np.zeros(mesh.vertex_slots, dtype=np.int8)
-        movers = np.zeros(mesh.vertex_slots, dtype=np.int32)
-        while iteration - first < p.max_iterations:
-            if p.threshold_share is not None and iteration % p.threshold_interval == 0 and iteration:
-                inside = _median_inside(u, affine, mesh.to_triangle_mesh())
-                if inside is not None:
-                    tau = float(np.clip(p.threshold_share * inside, *p.threshold_range))
-                    if abs(tau - tau_slept) > 0.05:
-                        kernels.wake_all(mesh.arrays, state, counter, True)
-                        tau_slept = tau
-            if stale:
-                mesh.sort_cells()
-                stale = False
-            count = kernels.propose(
-                mesh.arrays, *mesh.cells, state, counter, u, gate, inverse,
-                kernels.THRESHOLD, tau, p.balloon, length, p.step, p.curvature_weight, p.tangential_weight,
-                p.aging_limit, p.front_gap, p.rear_gap, p.opposed, p.patience, target, movers,
-            )  # fmt: skip
-            motion.move_vertices(mesh.arrays, *mesh.cells, movers[:count], target, old, moved, mesh.next_batch())
-            awake = kernels.settle(mesh.arrays, state, counter, moved, movers, count, length, p.window, p.rest, p.stir)
-            iteration += 1
-            if iteration % p.remesh_interval == 0:
-                active = (counter[:, kernels.MODE] == kernels.AWAKE).astype(np.int8)
-                mesh.remesh(active)
-                stale = True
-                if mesh.vertex_slots > len(state):
-                    state, counter = _fitting(mesh, state, counter)
-                    target = np.zeros((mesh.vertex_slots, 3))
-                    old = np.zeros((mesh.vertex_slots, 3))
-                    moved = np.zeros(mesh.vertex_slots, dtype=np.int8)
-                    movers = np.zeros(mesh.vertex_slots, dtype=np.int32)
-                kernels.adopt_touched(mesh.arrays, state, counter)
-                if mesh.volume < 2.0 * length**3:
-                    vanished = True
-                    break
-            if on_iteration is not None:
-                on_iteration(FlowState(iteration, number, mesh.vertex_count, int(awake), tau))
-            if awake <= 0.005 * mesh.vertex_count:
-                converged = True
-                break
-        records.append(StageRecord(length, iteration - first, converged, mesh.vertex_count, tau))
-        if vanished:
+    """Let a surface flow to the border of an object.
+
+    Parameters
+    ----------
+    field : (I, J, K) float32
+        For the threshold model the calibrated difference; for the gradient model any intensity. Voxels that are not
+        finite count as not allowed.
+    allowed : (I, J, K) bool
+        Where the surface may go; everywhere in the grid if it is not given.
+    affine : (4, 4) float64
+        From voxel index to RAS mm; any spacing, oblique, sheared or mirrored.
+    seed
+        Closed, manifold surface in RAS mm with faces that look outwards, without self-intersections.
+    params
+        How; the defaults are those measured on enhancing tumors at 1 mm.
+    threshold
+        τ to begin with, in the field's units. The gradient model does not use it.
+    on_iteration
+        Called after each iteration; what it raises ends the flow and passes through.
+
+    Returns
+    -------
+    FlowResult
+
+    Raises
+    ------
+    InvalidInput
+        ``invalid_mesh`` where the seed is not as demanded; ``invalid_volume`` where shapes differ or the affine spans
+        no space.
+
+    Notes
+    -----
+    The same input gives the same bytes. Time and memory grow with the surface, not with the volume.
+
+    References
+    ----------
+    Section 3.4.1 of the dissertation, Eq. 3.1–3.3, Figs 3.1–3.5.
+    """
+    p = params if params is not None else NormalFlowParams()
+    if not np.isfinite(threshold):
+        raise ValueError(f"the threshold must be finite, not {threshold}")
+    if field.ndim != 3 or (allowed is not None and allowed.shape != field.shape):
+        shape = "" if allowed is None else f" and {allowed.shape}"
+        raise InvalidInput(
+            "invalid_volume", f"Field and allowed region must share three dimensions, not {field.shape}{shape}."
+        )
+    evolution = _Evolution(field, allowed, check_affine(affine), seed, p, threshold)
+    for stage in range(len(p.edge_lengths)):
+        evolution.run_stage(stage, on_iteration)
+        if evolution.vanished:
             break
-    modes = counter[mesh.live, kernels.MODE]
-    return FlowResult(
-        mesh=mesh.to_triangle_mesh(),
-        threshold=tau,
-        iterations=iteration,
-        converged=records[-1].converged,
-        vanished=vanished,
-        asleep=int((modes == kernels.ASLEEP).sum()),
-        frozen=int((modes == kernels.FROZEN).sum()),
-        aged=int((modes == kernels.AGED).sum()),
-        stages=tuple(records),
-    )
+    return evolution.result()
 
 
-def _fitting(
-    mesh: DynamicMesh, state: NDArray[np.float64], counter: NDArray[np.int32]
-) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-    """Return state and counters with a row for every slot."""
-    n = mesh.vertex_slots
-    new_state = np.zeros((n, kernels.STATE_COLUMNS))
-    new_state[:, kernels.GAIN] = 1.0
-    new_state[: len(state)] = state[:n]
-    new_counter = np.zeros((n, kernels.COUNTER_COLUMNS), dtype=np.int32)
-    new_counter[: len(counter)] = counter[:n]
-    return new_state, new_counter
+class _Evolution:
+    """A surface on its way, with what each vertex remembers."""
+
+    def __init__(
+        self,
+        field: NDArray[np.float32],
+        allowed: NDArray[np.bool_] | None,
+        affine: NDArray[np.float64],
+        seed: TriangleMesh,
+        params: NormalFlowParams,
+        threshold: float,
+    ) -> None:
+        self.params = params
+        self.affine = np.array(affine)
+        self.inverse = np.linalg.inv(self.affine)[:3]
+        self.field, self.allowed = _finite(field, allowed)
+        self.threshold = float(threshold)
+        self.edges: EdgeIndicator | None = None
+        if params.model == "gradient":
+            self.edges = EdgeIndicator(self.field, self.affine, params.gradient_sigma, params.gradient_percentile)
+        self.mesh = DynamicMesh(seed, params.edge_lengths[0])
+        if self.mesh.volume <= 0:
+            raise InvalidInput(
+                "invalid_mesh",
+                f"The seed encloses {self.mesh.volume:.3g} mm³: its faces look inwards.",
+                "Turn its faces over.",
+            )
+        self.iteration = 0
+        self.vanished = False
+        self.stages: list[StageRecord] = []
+        self._settled_threshold = self.threshold
+        self._moved = np.zeros(0, dtype=np.int64)
+
+    def run_stage(self, stage: int, on_iteration: Callable[[FlowState], None] | None) -> None:
+        """Flow with one edge length until the surface rests."""
+        p, mesh = self.params, self.mesh
+        length = p.edge_lengths[stage]
+        self._begin(stage)
+        first = self.iteration
+        awake = mesh.vertex_count
+        while self.iteration - first < p.max_iterations and not self.vanished:
+            awake = self._step(length)
+            self.iteration += 1
+            done = self.iteration - first
+            if done % p.release_interval == 0:
+                self._release()
+            if done % p.remesh_interval == 0:
+                self._remesh(length)
+            if done % p.threshold_interval == 0:
+                self._update_threshold()
+            if on_iteration is not None:
+                on_iteration(FlowState(stage, self.iteration, mesh.vertex_count, awake, self.threshold))
+            if awake <= p.awake_share * mesh.vertex_count and done % p.remesh_interval == 0 and not self._stirred:
+                break
+        self._remesh(length)
+        self.stages.append(
+            StageRecord(
+                edge_length=length,
+                iterations=self.iteration - first,
+                converged=awake <= p.awake_share * mesh.vertex_count,
+                vertices=mesh.vertex_count,
+                threshold=self.threshold,
+            )
+        )
+
+    def result(self) -> FlowResult:
+        """Return where the surface is."""
+        modes = self._counter[self.mesh.live, kernels.MODE]
+        mesh = self.mesh.to_triangle_mesh()
+        if not self.vanished:
+            mesh = _without_remains(mesh, NOTHING_LEFT * self.mesh.edge_length**3)
+        return FlowResult(
+            mesh=mesh,
+            threshold=self.threshold,
+            iterations=self.iteration,
+            converged=self.stages[-1].converged and not self.vanished,
+            vanished=self.vanished,
+            asleep=int(np.count_nonzero(modes == kernels.ASLEEP)),
+            frozen=int(np.count_nonzero(modes == kernels.FROZEN)),
+            aged=int(np.count_nonzero(modes == kernels.AGED)),
+            awake=int(np.count_nonzero(modes == kernels.AWAKE)),
+            stages=tuple(self.stages),
+        )
+
+    def _begin(self, stage: int) -> None:
+        """Bring the mesh to the stage's edge length; every vertex begins anew."""
+        mesh, lengths = self.mesh, self.params.edge_lengths
+        if stage:
+            # What was refined keeps its length in mm where that is the finer one.
+            scale = mesh.arrays.points[:, SCALE]
+            np.minimum(scale * (lengths[stage - 1] / lengths[stage]), 1.0, out=scale)
+        mesh.edge_length = lengths[stage]
+        mesh.remesh(rounds=STAGE_ROUNDS if stage else SEED_ROUNDS)
+        mesh.compact()
+        n = mesh.vertex_slots
+        self._state = np.zeros((n, kernels.STATE_COLUMNS))
+        self._state[:, kernels.GAIN] = 1.0
+        self._counter = np.zeros((n, kernels.COUNTER_COLUMNS), dtype=np.int32)
+        self._make_room()
+        self._stale = True
+        self._stirred = False
+        self._wishes = 0
+
+    def _step(self, length: float) -> int:
+        """Move all vertices once; return how many are awake then."""
+        mesh, dials = self.mesh, self._dials(length)
+        if self._stale:
+            # After a move the faces are still sorted, but for those that went back.
+            mesh.sort_cells()
+            self._stale = False
+        field, inverse = self.field, self.inverse
+        if self.edges is not None:
+            self.edges.follow(mesh.arrays.points[mesh.live, :3])
+            field, inverse = self.edges.values, self.edges.inverse
+        count = kernels.propose(
+            mesh.arrays, *mesh.cells, self._state, self._counter, field, inverse, self.allowed, self.inverse, dials,
+            self._target, self._movers,
+        )  # fmt: skip
+        movers = self._movers[:count]
+        batch = mesh.next_batch()
+        motion.move_vertices(mesh.arrays, *mesh.cells, movers, self._target, self._old, self._moved, batch)
+        return int(kernels.settle(mesh.arrays, self._state, self._counter, self._moved, batch, movers, dials))
+
+    def _remesh(self, length: float) -> None:
+        """Answer what blocked vertices wish for, mend the triangles around what moves, and see what is left."""
+        mesh = self.mesh
+        active = (self._counter[:, kernels.MODE] == kernels.AWAKE).astype(np.int8)
+        self._stirred = False
+        if self._wishes < LARGEST_WISHES:
+            dials = self._dials(length)
+            self._stirred = kernels.answer_wishes(mesh.arrays, self._state, self._counter, dials, self._collapse) > 0
+            self._wishes += self._stirred
+        if self._stirred:
+            np.maximum(active, self._counter[:, kernels.MODE] == kernels.AWAKE, out=active)
+        mesh.remesh(active, unwanted=self._collapse if self._stirred else None)
+        self._make_room()
+        kernels.adopt_touched(mesh.arrays, self._state, self._counter)
+        self._stale = True
+        self.vanished = mesh.volume < NOTHING_LEFT * length**3
+
+    def _release(self) -> None:
+        """Smooth the vertices of thin triangles, which would keep the flow from converging."""
+        mesh = self.mesh
+        count = kernels.irregular_vertices(mesh.arrays, self._counter, THIN, self._target, self._movers)
+        if count:
+            movers = self._movers[:count]
+            motion.move_vertices(
+                mesh.arrays, *mesh.room_for_cells(), movers, self._target, self._old, self._moved, mesh.next_batch()
+            )
+            self._stale = True
+
+    def _update_threshold(self) -> None:
+        """Let the threshold follow what is inside, and wake all where it changed by more than a little."""
+        p = self.params
+        if p.threshold_share is None or p.model != "threshold":
+            return
+        inside = median_inside(self.field, self.affine, self.mesh.to_triangle_mesh())
+        if inside is None:
+            return
+        self.threshold = float(np.clip(p.threshold_share * inside, *p.threshold_range))
+        if abs(self.threshold - self._settled_threshold) > STILL:
+            self._settled_threshold = self.threshold
+            kernels.wake_all(self.mesh.arrays, self._state, self._counter)
+            self._stirred = True
+
+    def _dials(self, length: float) -> kernels.Dials:
+        p = self.params
+        return kernels.Dials(
+            model=kernels.THRESHOLD if p.model == "threshold" else kernels.GRADIENT,
+            threshold=self.threshold,
+            balloon=float(p.balloon),
+            length=float(length),
+            step=float(p.step),
+            bend=float(p.curvature_weight),
+            slide=float(p.tangential_weight),
+            front=float(p.front_gap),
+            rear=float(p.rear_gap),
+            opposed=float(p.opposed),
+            aging=p.aging_limit,
+            patience=p.patience,
+            window=p.window,
+            rest=float(p.rest),
+            stir=float(p.stir),
+            least_scale=float(p.least_scale),
+        )
+
+    def _make_room(self) -> None:
+        """Give every vertex slot its row, after the mesh has grown."""
+        n, had = self.mesh.vertex_slots, len(self._state)
+        if n > had:
+            self._state = np.concatenate((self._state, np.zeros((n - had, kernels.STATE_COLUMNS))))
+            self._counter = np.concatenate(
+                (self._counter, np.zeros((n - had, kernels.COUNTER_COLUMNS), dtype=np.int32))
+            )
+        if len(self._moved) != n:
+            self._target = np.zeros((n, 3))
+            self._old = np.zeros((n, 3))
+            self._moved = np.zeros(n, dtype=np.int64)
+            self._movers = np.zeros(n, dtype=np.int32)
+            self._collapse = np.zeros(n, dtype=np.int8)
 
 
-def _median_inside(u: NDArray[np.float32], affine: NDArray[np.float64], mesh: TriangleMesh) -> float | None:
-    """Return the median of `u` over the voxels inside `mesh`; none where it encloses no voxel."""
-    grid = Volume(u, affine)
-    index = grid.to_index(mesh.vertices)
-    low = np.maximum(np.floor(index.min(axis=0)).astype(int), 0)
-    high = np.minimum(np.ceil(index.max(axis=0)).astype(int) + 1, u.shape)
-    if (high <= low).any():
-        return None
-    box = tuple(slice(a, b) for a, b in zip(low, high, strict=True))
-    shifted = affine.copy()
-    shifted[:3, 3] = affine[:3, :3] @ low + affine[:3, 3]
-    part = u[box]
-    mask = rasterize(mesh, Volume(part, shifted))
-    return float(np.median(part[mask])) if mask.any() else None
+def _finite(
+    field: NDArray[np.float32], allowed: NDArray[np.bool_] | None
+) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
+    """Return the field without values that are not finite, and where the surface may go; empty: everywhere."""
+    values = np.ascontiguousarray(field, dtype=np.float32)
+    finite = np.isfinite(values)
+    if finite.all():
+        gate = None if allowed is None else np.ascontiguousarray(allowed, dtype=np.bool_)
+    else:
+        values = np.where(finite, values, np.float32(0.0))
+        gate = finite if allowed is None else finite & allowed
+    return values, np.zeros((0, 0, 0), dtype=np.uint8) if gate is None else gate.view(np.uint8)
+
+
+def _without_remains(mesh: TriangleMesh, least: float) -> TriangleMesh:
+    """Return the surface without the parts that shrank to nothing; for a seed of one part, as it is."""
+    if mesh.component_count < 2:
+        return mesh
+    label = mesh.topology.face_components
+    corners = mesh.corners - mesh.vertices[0]
+    parts = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0
+    volumes = np.bincount(label, weights=parts)
+    kept = mesh.faces[np.abs(volumes)[label] >= least]
+    used = np.unique(kept)
+    number = np.zeros(len(mesh.vertices), dtype=np.int32)
+    number[used] = np.arange(len(used), dtype=np.int32)
+    return TriangleMesh(mesh.vertices[used], number[kept])

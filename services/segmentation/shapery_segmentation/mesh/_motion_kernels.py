@@ -23,9 +23,6 @@ LEAST_SHAPE = 0.02
 LEAST_TILT = 0.25
 """A star whose faces all have at least this product with the mean of their normals is a graph over their plane."""
 
-MOVED = 1
-RETURNED = 2
-
 
 @inner
 def _is_graph(m, v):
@@ -118,12 +115,12 @@ def _contact(m, start, spheres, names, f, slack, batch, found):
 
 
 @inner
-def _put_back(m, f, state, old, queue, size):
+def _put_back(m, f, batch, state, old, queue, size):
     """Return the moved vertices of face `f` to where they were, and append them to `queue`; return its new length."""
     for k in range(3):
         v = origin(m, 3 * f + k)
-        if state[v] == MOVED:
-            state[v] = RETURNED
+        if state[v] == batch:
+            state[v] = -batch
             for axis in range(3):
                 m.points[v, axis] = old[v, axis]
             start = m.vertices[v, OUT]
@@ -148,7 +145,7 @@ def _spoiled(m, f):
 
 
 @inner
-def _mend_star(m, v, state, old, queue, size):
+def _mend_star(m, v, batch, state, old, queue, size):
     """Put back the movers of faces around `v` that touch each other; return the new length of the queue."""
     if _is_graph(m, v):
         return size
@@ -158,8 +155,8 @@ def _mend_star(m, v, state, old, queue, size):
         k = twin(m, preceding(h))
         while k != start:
             if faces_touch(m, h // 3, k // 3):
-                size = _put_back(m, h // 3, state, old, queue, size)
-                size = _put_back(m, k // 3, state, old, queue, size)
+                size = _put_back(m, h // 3, batch, state, old, queue, size)
+                size = _put_back(m, k // 3, batch, state, old, queue, size)
             k = twin(m, preceding(k))
         h = twin(m, preceding(h))
         if h == start:
@@ -181,10 +178,10 @@ def move_vertices(m, start, spheres, names, movers, target, old, state, batch):
         Where to; rounded to float32 values.
     old : (V, 3) float64
         Receives the positions before, for the movers.
-    state : (V,) int8
-        Is `MOVED` or `RETURNED` for the movers afterwards; zero for all others before and after.
+    state : (V,) int64
+        Is `batch` for those that moved, and −`batch` for those that were put back.
     batch : int
-        A positive stamp that no face carries yet.
+        A positive stamp that no face and no vertex carries yet.
 
     Returns
     -------
@@ -201,7 +198,7 @@ def move_vertices(m, start, spheres, names, movers, target, old, state, batch):
     slack = 0.0
     for i in range(n):
         v = movers[i]
-        state[v] = MOVED
+        state[v] = batch
         way = 0.0
         for axis in range(3):
             old[v, axis] = m.points[v, axis]
@@ -235,13 +232,13 @@ def move_vertices(m, start, spheres, names, movers, target, old, state, batch):
     for i in range(count):
         f = np.int64(faces[i])
         if _spoiled(m, f):
-            size = _put_back(m, f, state, old, queue, size)
+            size = _put_back(m, f, batch, state, old, queue, size)
         else:
             # Faces that have been put back are elsewhere than they were sorted; until then nothing is.
             g = _contact(m, start, spheres, names, f, slack if size > 0 else 0.0, batch, found)
             if g >= 0:
-                size = _put_back(m, f, state, old, queue, size)
-                size = _put_back(m, g, state, old, queue, size)
+                size = _put_back(m, f, batch, state, old, queue, size)
+                size = _put_back(m, g, batch, state, old, queue, size)
     for i in range(count):
         # Each changed star is met from the half-edges that leave its centre; one of them is the one noted for it.
         for k in range(3):
@@ -249,7 +246,7 @@ def move_vertices(m, start, spheres, names, movers, target, old, state, batch):
             v = origin(m, h)
             first = np.int64(m.vertices[v, OUT])
             if h == first or (m.links[first // 3, STAMP] != batch and _first_stamped(m, first, batch) == h):
-                size = _mend_star(m, v, state, old, queue, size)
+                size = _mend_star(m, v, batch, state, old, queue, size)
     done = 0
     while done < size:
         v = np.int64(queue[done])
@@ -259,17 +256,17 @@ def move_vertices(m, start, spheres, names, movers, target, old, state, batch):
         while True:
             f = h // 3
             if _spoiled(m, f):
-                size = _put_back(m, f, state, old, queue, size)
+                size = _put_back(m, f, batch, state, old, queue, size)
             else:
                 g = _contact(m, start, spheres, names, f, slack, 0, found)
                 if g >= 0:
-                    size = _put_back(m, f, state, old, queue, size)
-                    size = _put_back(m, g, state, old, queue, size)
-            size = _mend_star(m, origin(m, following(h)), state, old, queue, size)
+                    size = _put_back(m, f, batch, state, old, queue, size)
+                    size = _put_back(m, g, batch, state, old, queue, size)
+            size = _mend_star(m, origin(m, following(h)), batch, state, old, queue, size)
             h = twin(m, preceding(h))
             if h == first:
                 break
-        size = _mend_star(m, v, state, old, queue, size)
+        size = _mend_star(m, v, batch, state, old, queue, size)
     return size
 
 

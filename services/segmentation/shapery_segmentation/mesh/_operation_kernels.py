@@ -256,7 +256,8 @@ def split_edge(m, h):
     f2, g2 = _new_face(m), _new_face(m)
     for axis in range(3):
         m.points[w, axis] = middle[axis]
-    m.points[w, SCALE] = 0.5 * (m.points[u, SCALE] + m.points[v, SCALE])
+    # The lesser, not the mean: of that the halves might be short enough to collapse again.
+    m.points[w, SCALE] = min(m.points[u, SCALE], m.points[v, SCALE])
     hn_twin, tn_twin = twin(m, hn), twin(m, tn)
     # f becomes (u, w, a) and f2 = (w, v, a); g becomes (v, w, b) and g2 = (w, u, b).
     m.half_edges[hn, ORIGIN] = w
@@ -373,7 +374,7 @@ def collapse_edge(m, h, longest):
     h : int
         Half-edge from the vertex that goes to the one that stays.
     longest : float
-        Length that no new edge may exceed.
+        Length that no new edge may exceed where the scale of both its ends is 1; elsewhere the lesser scale times this.
 
     Returns
     -------
@@ -399,11 +400,12 @@ def collapse_edge(m, h, longest):
         # k starts at u; its face is (u, p, q), neither f nor g.
         p, q = origin(m, following(k)), origin(m, preceding(k))
         shape = stage_face(m, rows, (v, p, q), (point(m, v), point(m, p), point(m, q)))
+        # Those to the corners opposite are there already; each other is met in one face as its first side.
+        limit = longest * min(m.points[v, SCALE], m.points[p, SCALE])
         if (
             shape < min(LEAST_SHAPE, compactness(m, k // 3))
             or _turn(m, rows, k // 3) < LEAST_TURN
-            or squared_length(m, v, p) > longest * longest
-            or squared_length(m, v, q) > longest * longest
+            or (p != a and squared_length(m, v, p) > limit * limit)
         ):
             fits = False
             break

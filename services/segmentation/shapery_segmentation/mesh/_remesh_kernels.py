@@ -85,8 +85,21 @@ def split_pass(m, start, length, ratio, active):
     return done, -1
 
 
+@inner
+def _shortest_of_vertex(m, h):
+    """Return whether no other edge at the start of `h` is shorter."""
+    u = origin(m, h)
+    own = squared_length(m, u, origin(m, following(h)))
+    k = twin(m, preceding(h))
+    while k != h:
+        if squared_length(m, u, origin(m, following(k))) < own:
+            return False
+        k = twin(m, preceding(k))
+    return True
+
+
 @njit(cache=True, nogil=True)
-def collapse_pass(m, length, ratio, longest, active):
+def collapse_pass(m, length, ratio, longest, active, unwanted):
     """Collapse edges that are shorter than `ratio` times their target, and vertices of three short edges.
 
     Parameters
@@ -96,6 +109,8 @@ def collapse_pass(m, length, ratio, longest, active):
         As in `split_pass`.
     longest : float
         Multiple of the target that no new edge may exceed.
+    unwanted : (V,) int8
+        1 for vertices that are to collapse into their nearest neighbour, whatever the distance.
 
     Returns
     -------
@@ -108,7 +123,7 @@ def collapse_pass(m, length, ratio, longest, active):
         if t < 0:
             continue
         u, v = origin(m, h), origin(m, t)
-        if not (active[u] or active[v] or m.vertices[u, TOUCHED] or m.vertices[v, TOUCHED]):
+        if not (active[u] or active[v] or m.vertices[u, TOUCHED] or m.vertices[v, TOUCHED] or unwanted[u]):
             continue
         target = length * min(m.points[u, SCALE], m.points[v, SCALE])
         limit = ratio * target
@@ -116,9 +131,12 @@ def collapse_pass(m, length, ratio, longest, active):
         short = t > h and squared < limit * limit
         # A vertex of three edges lies in one triangle of its neighbours and does little but thin its faces.
         spare = squared < 4.0 * limit * limit and valence(m, u) == 3
+        if unwanted[u] == 1 and _shortest_of_vertex(m, h):
+            unwanted[u] = 0
+            spare = True
         if not (short or spare):
             continue
-        if collapse_edge(m, h, longest * target) or (short and collapse_edge(m, t, longest * target)):
+        if collapse_edge(m, h, longest * length) or (short and collapse_edge(m, t, longest * length)):
             done += 1
     return done
 
@@ -238,7 +256,7 @@ def link_twins(m, vertices, faces):
         v = m.half_edges[h, ORIGIN]
         leaving[fill[v]] = h
         fill[v] += 1
-    wrong = 0
+    wrong = np.int64(0)
     for h in range(3 * faces):
         u, v = origin(m, h), origin(m, following(h))
         found = 0
@@ -254,14 +272,12 @@ def link_twins(m, vertices, faces):
     if wrong > 0:
         return wrong
     for v in range(vertices):
-        h = np.int64(leaving[first[v]])
-        m.vertices[v, OUT] = h
-        n = 0
-        start = h
-        while True:
+        start = np.int64(leaving[first[v]])
+        m.vertices[v, OUT] = start
+        n = 1
+        around = twin(m, preceding(start))
+        while around != start:
             n += 1
-            h = twin(m, preceding(h))
-            if h == start:
-                break
+            around = twin(m, preceding(around))
         wrong -= n != first[v + 1] - first[v]
     return wrong

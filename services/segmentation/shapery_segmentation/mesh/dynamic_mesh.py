@@ -244,13 +244,21 @@ class DynamicMesh:
             )
         return self.cells
 
-    def remesh(self, active: NDArray[np.int8] | None = None, *, rounds: int = 1) -> RemeshCount:
+    def remesh(
+        self,
+        active: NDArray[np.int8] | None = None,
+        *,
+        unwanted: NDArray[np.int8] | None = None,
+        rounds: int = 1,
+    ) -> RemeshCount:
         """Split long edges, collapse short ones and flip those that triangles squeeze.
 
         Parameters
         ----------
         active : (vertex_slots,) int8
             Edges are looked at where this is set at an end; everywhere if it is not given.
+        unwanted : (vertex_slots,) int8
+            1 for vertices that are to collapse into a neighbour, if that keeps the surface what it is.
         rounds
             How often to do so; ends early where hardly anything changes any more.
 
@@ -267,7 +275,7 @@ class DynamicMesh:
             grid.build_grid(self.arrays)
             done = RemeshCount(
                 splits=self._split(chosen),
-                collapses=self._collapse(chosen),
+                collapses=self._collapse(chosen, unwanted),
                 flips=int(passes.flip_pass(self.arrays, self._fitting(chosen))),
             )
             total.splits += done.splits
@@ -294,7 +302,8 @@ class DynamicMesh:
         """
         places = np.zeros((self.vertex_slots, 3))
         places[movers] = target
-        state = np.zeros(self.vertex_slots, dtype=np.int8)
+        state = np.zeros(self.vertex_slots, dtype=np.int64)
+        batch = self.next_batch()
         motion.move_vertices(
             self.arrays,
             *self.room_for_cells(),
@@ -302,9 +311,9 @@ class DynamicMesh:
             places,
             np.empty_like(places),
             state,
-            self.next_batch(),
+            batch,
         )
-        return np.asarray(state[movers] == motion.MOVED)
+        return np.asarray(state[movers] == batch)
 
     def next_batch(self) -> int:
         """Return a stamp that no face carries."""
@@ -324,9 +333,19 @@ class DynamicMesh:
                 return done
             self.arrays = grown(self.arrays, 2 * self.vertex_slots, 2 * len(self.arrays.links))
 
-    def _collapse(self, active: NDArray[np.int8]) -> int:
+    def _collapse(self, active: NDArray[np.int8], unwanted: NDArray[np.int8] | None) -> int:
+        named = np.zeros(0, dtype=np.int8) if unwanted is None else unwanted.copy()
         length = min(self.edge_length, COARSENING * self.mean_edge)
-        return int(passes.collapse_pass(self.arrays, length, COLLAPSE_RATIO, LONGEST_RATIO, self._fitting(active)))
+        return int(
+            passes.collapse_pass(
+                self.arrays,
+                length,
+                COLLAPSE_RATIO,
+                LONGEST_RATIO,
+                self._fitting(active),
+                self._fitting(named),
+            )
+        )
 
     def _fitting(self, active: NDArray[np.int8]) -> NDArray[np.int8]:
         """Return `active` as long as the vertex arrays are now; new vertices are found by what touched them."""

@@ -23,6 +23,7 @@ from shapery_segmentation.mesh.arrays import (
     TWIN,
     VERTEX_COUNT,
     VERTEX_TOP,
+    MeshArrays,
 )
 from shapery_segmentation.mesh.dynamic_mesh import DynamicMesh
 
@@ -101,17 +102,7 @@ def defects(mesh: DynamicMesh) -> list[str]:
     if not np.array_equal(m.points[used, :3], m.points[used, :3].astype(np.float32)):
         found.append("a position is not a float32 value")
 
-    listed: list[int] = []
-    for cell in np.flatnonzero(m.head >= 0).tolist():
-        f, previous = int(m.head[cell]), -1
-        while f >= 0:
-            listed.append(f)
-            if m.links[f, CELL] != cell or m.links[f, BEFORE] != previous:
-                found.append(f"face {f} is linked wrongly in cell {cell}")
-                return found
-            f, previous = int(m.links[f, AFTER]), f
-    if sorted(listed) != live.tolist():
-        found.append("the faces in the grid are not those in use")
+    found += _grid_defects(m, live)
     if m.links[:faces, SKIP].any():
         found.append("a face is still marked as about to be replaced")
     contacts = mesh.contacts()
@@ -127,3 +118,19 @@ def _chain(column: NDArray[np.int32], first: int) -> set[int]:
         slots.add(first)
         first = -2 - int(column[first])
     return slots
+
+
+def _grid_defects(m: MeshArrays, live: NDArray[np.intp]) -> list[str]:
+    """Return what is wrong with the grid's lists of faces."""
+    listed: list[int] = []
+    for cell in np.flatnonzero(m.head >= 0).tolist():
+        f, previous = int(m.head[cell]), -1
+        while f >= 0:
+            listed.append(f)
+            if m.links[f, CELL] != cell or m.links[f, BEFORE] != previous:
+                return [f"face {f} is linked wrongly in cell {cell}"]
+            f, previous = int(m.links[f, AFTER]), f
+    # The grid is filled when operations begin.
+    if listed and sorted(listed) != live.tolist():
+        return ["the faces in the grid are not those in use"]
+    return []

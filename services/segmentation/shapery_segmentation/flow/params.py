@@ -1,0 +1,181 @@
+"""Parameters of the normal flow and what it returns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from shapery_geometry.mesh import TriangleMesh
+
+
+@dataclass(frozen=True, slots=True)
+class NormalFlowParams:
+    """How the surface flows.
+
+    Parameters
+    ----------
+    edge_lengths
+        Target edge length in mm of each stage, coarse to fine. A coarse stage moves in fewer, larger steps.
+    model
+        ``threshold``: out where the field exceeds a threshold, in where it does not. ``gradient``: Eq. 3.1 as it is
+        written, stopped by edges of the field.
+    step
+        Way per iteration at full speed, in edge lengths. Above 0.3 the surface runs ahead of its own smoothing.
+    curvature_weight
+        Share of the way to the plane of its neighbours that a vertex moves along its normal in each iteration.
+    tangential_weight
+        Share of the way to the mean of its neighbours that it moves across its normal, which spreads vertices evenly.
+    threshold_share
+        The threshold follows this share of the median inside the surface; none: it stays as given.
+    threshold_range
+        Bounds that the running threshold is kept in.
+    threshold_interval
+        Iterations between two updates of the threshold.
+    balloon
+        v of Eq. 3.1 (``gradient`` only): positive grows, negative shrinks.
+    gradient_sigma
+        Standard deviation in mm of the Gaussian of Eq. 3.3.
+    gradient_percentile
+        The gradient is measured in units of this percentile of itself around the seed.
+    front_gap, rear_gap
+        Edge lengths within which another part of the surface stops a vertex, ahead of it and behind it.
+    opposed
+        Product of the normals below which a part of the surface is another part.
+    patience
+        Iterations in a row that a vertex may be kept from moving before it is frozen.
+    least_scale
+        Share of the edge length to which frozen vertices that guard a small feature are refined; 1: not at all.
+    aging_limit
+        Changes of direction in a row after which a vertex is stopped (S5).
+    window, rest, stir
+        A vertex sleeps that has moved less than `rest` edge lengths along its normal, net, in `window` iterations; one
+        that has moved more than `stir` wakes its neighbours.
+    remesh_interval, release_interval
+        Iterations between two passes of split, collapse and flip, and between two that smooth irregular vertices.
+    awake_share
+        A stage is over when at most this share of the vertices is awake.
+    max_iterations
+        Iterations of one stage at the most.
+    topology
+        ``preserve``: the surface keeps the genus and the number of parts of its seed.
+    """
+
+    edge_lengths: tuple[float, ...] = (1.5, 1.0)
+    model: Literal["threshold", "gradient"] = "threshold"
+    step: float = 0.3
+    curvature_weight: float = 0.12
+    tangential_weight: float = 0.4
+    threshold_share: float | None = 0.45
+    threshold_range: tuple[float, float] = (1.2, 2.25)
+    threshold_interval: int = 10
+    balloon: float = 0.3
+    gradient_sigma: float = 1.0
+    gradient_percentile: float = 90.0
+    front_gap: float = 1.0
+    rear_gap: float = 0.6
+    opposed: float = 0.4
+    patience: int = 6
+    least_scale: float = 0.5
+    aging_limit: int = 6
+    window: int = 6
+    rest: float = 0.03
+    stir: float = 0.15
+    remesh_interval: int = 4
+    release_interval: int = 20
+    awake_share: float = 0.005
+    max_iterations: int = 400
+    topology: Literal["preserve"] = "preserve"
+
+    def __post_init__(self) -> None:
+        if not self.edge_lengths or not all(np.isfinite(h) and h > 0 for h in self.edge_lengths):
+            raise ValueError(f"edge_lengths must be positive and at least one, not {self.edge_lengths}")
+        if self.model not in ("threshold", "gradient"):
+            raise ValueError(f"model must be 'threshold' or 'gradient', not {self.model!r}")
+        if self.topology != "preserve":
+            raise ValueError(f"topology must be 'preserve', not {self.topology!r}")
+        for name, low, high in (
+            ("step", 0.0, 0.5),
+            ("curvature_weight", 0.0, 1.0),
+            ("tangential_weight", 0.0, 1.0),
+            ("front_gap", 0.0, 3.0),
+            ("rear_gap", 0.0, 3.0),
+            ("opposed", -1.0, 1.0),
+            ("least_scale", 0.1, 1.0),
+            ("awake_share", 0.0, 1.0),
+            ("gradient_percentile", 0.0, 100.0),
+        ):
+            value = getattr(self, name)
+            if not low <= value <= high:
+                raise ValueError(f"{name} must lie in [{low:g}, {high:g}], not {value}")
+        counts = (
+            "threshold_interval", "patience", "aging_limit", "window", "remesh_interval", "release_interval",
+            "max_iterations",
+        )  # fmt: skip
+        for name in counts:
+            if getattr(self, name) < 1:
+                raise ValueError(f"{name} must be at least 1, not {getattr(self, name)}")
+        if not self.threshold_range[0] <= self.threshold_range[1]:
+            raise ValueError(f"threshold_range must be rising, not {self.threshold_range}")
+        if not (np.isfinite(self.gradient_sigma) and self.gradient_sigma >= 0):
+            raise ValueError(f"gradient_sigma must not be negative, not {self.gradient_sigma}")
+
+
+@dataclass(frozen=True, slots=True)
+class FlowState:
+    """Where the flow is, as `on_iteration` is told."""
+
+    stage: int
+    iteration: int
+    """Over all stages, from 1."""
+    vertices: int
+    awake: int
+    threshold: float
+
+
+@dataclass(frozen=True, slots=True)
+class StageRecord:
+    """What one stage did."""
+
+    edge_length: float
+    iterations: int
+    converged: bool
+    vertices: int
+    threshold: float
+
+
+@dataclass(frozen=True, slots=True)
+class FlowResult:
+    """The surface where it came to rest.
+
+    Parameters
+    ----------
+    mesh
+        Closed, manifold, oriented, of the seed's genus, without self-intersections, RAS mm; its coordinates are float32
+        values, so that single precision stores it exactly.
+    threshold
+        At the end.
+    iterations
+        Over all stages.
+    converged
+        Whether the last stage ended because the surface rested, not because of `max_iterations`.
+    vanished
+        Whether the surface shrank to nothing: there is no object where it started. `mesh` is then what was left.
+    asleep, frozen, aged, awake
+        Vertices by how they ended: at rest; kept from moving by another part of the surface; stopped where they
+        oscillated; still moving.
+    stages
+        One record per stage that ran.
+    """
+
+    mesh: TriangleMesh
+    threshold: float
+    iterations: int
+    converged: bool
+    vanished: bool
+    asleep: int
+    frozen: int
+    aged: int
+    awake: int
+    stages: tuple[StageRecord, ...]
