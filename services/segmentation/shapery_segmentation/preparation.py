@@ -192,10 +192,8 @@ def check_overlap(pre: Volume, post: Volume) -> list[str]:
     """
     if pre.same_grid(post):
         return []
-    grid = working_grid(post, spacing=8.0)
-    points = np.stack(np.meshgrid(*map(np.arange, grid.shape), indexing="ij"), axis=-1).reshape(-1, 3)
-    world = points @ grid.affine[:3, :3].T + grid.affine[:3, 3]
-    share = float(pre.contains(world).mean())
+    places = np.meshgrid(*(np.linspace(0, n - 1, 24) for n in post.shape), indexing="ij")
+    share = float(pre.contains(post.to_world(np.stack(places, axis=-1))).mean())
     if share < LEAST_COVERAGE:
         raise InvalidInput(
             "grid_mismatch",

@@ -1,0 +1,74 @@
+"""Fit of one volume to the other, and the calibrated difference."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from shapery_contracts.errors import InvalidInput
+from shapery_geometry.volume import Volume
+from shapery_segmentation.brain import Brain, find_brain
+from shapery_segmentation.calibration import calibrate, trimmed_fit
+from shapery_segmentation.phantoms import HeadPhantom
+from shapery_segmentation.preparation import working_grid
+
+
+def test_trimmed_fit_ignores_what_enhances() -> None:
+    rng = np.random.default_rng(0)
+    x = rng.normal(100, 20, 20_000)
+    y = 3.0 * x + 50 + rng.normal(0, 5, x.size)
+    y[:2000] += rng.uniform(100, 500, 2000)
+    slope, offset = trimmed_fit(x, y)
+    # A tenth of outliers pulls plain least squares to an offset of 80; noise alone leaves 0.01 and 1.
+    assert slope == pytest.approx(3.0, abs=0.03)
+    assert offset == pytest.approx(50.0, abs=3.0)
+
+
+def test_trimmed_fit_of_a_constant_has_no_slope() -> None:
+    assert trimmed_fit(np.full(500, 3.0), np.arange(500.0)) == (0.0, pytest.approx(249.5))
+
+
+def test_field_does_not_depend_on_either_scale(head: HeadPhantom) -> None:
+    brain = find_brain(head.pre, head.post)
+    field = calibrate(brain, head.post, head.pre).field
+    other = calibrate(
+        brain,
+        head.post.with_data(head.post.data.astype(np.float64) * 0.013 + 5.0),
+        head.pre.with_data(head.pre.data.astype(np.float64) * 41.0 - 900.0),
+    ).field
+    # float32 arithmetic on other magnitudes.
+    np.testing.assert_allclose(other, field, atol=2e-3)
+
+
+def test_field_is_zero_in_normal_brain_and_high_in_the_rim(head: HeadPhantom) -> None:
+    brain = find_brain(head.pre, head.post)
+    calibration = calibrate(brain, head.post, head.pre)
+    rim = brain.grid.sample(head.truth) == 1
+    assert np.median(calibration.field[brain.mask]) == pytest.approx(0.0, abs=0.2)
+    assert np.median(calibration.field[rim]) > 3.0
+    assert np.median(np.abs(calibration.field[brain.mask])) < 1.0
+    assert (calibration.field[~brain.mask] <= calibration.field.max() / 2).all()
+    assert calibration.subtracted
+
+
+def test_voxels_that_are_not_finite_do_not_spread(head: HeadPhantom) -> None:
+    brain = find_brain(head.pre, head.post)
+    holes = head.post.data.astype(np.float32)
+    holes[::7, ::5, ::6] = np.nan
+    calibration = calibrate(brain, head.post.with_data(holes), head.pre)
+    assert np.isfinite(calibration.field).all()
+    assert np.isfinite(calibration.before).all()
+
+
+def test_flat_brain_and_foreign_coverage_are_refused() -> None:
+    data = np.zeros((40, 40, 40), np.float32)
+    data[5:35, 5:35, 5:35] = 100.0
+    volume = Volume(data, np.eye(4))
+    grid = working_grid(volume)
+    brain = Brain(grid, data > 0, True)
+    with pytest.raises(InvalidInput, match="one and the same intensity"):
+        calibrate(brain, volume, None)
+    missing = volume.with_data(np.full(data.shape, np.nan, np.float32))
+    with pytest.raises(InvalidInput, match="Only 0 voxels") as caught:
+        calibrate(brain, volume, missing)
+    assert caught.value.code == "grid_mismatch"

@@ -1,0 +1,84 @@
+"""The density gate."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy import ndimage
+
+from shapery_segmentation.gate import dense, reach, running_threshold, within
+
+SHAPE = (70, 60, 60)
+INDEX = np.stack(np.meshgrid(*map(np.arange, SHAPE), indexing="ij"), axis=-1)
+
+
+def ball(centre: tuple[int, int, int], radius: float) -> np.ndarray:
+    return np.linalg.norm(INDEX - np.array(centre), axis=-1) <= radius
+
+
+def tube(radius: float) -> np.ndarray:
+    """Along the first axis, through the middle."""
+    return np.hypot(INDEX[..., 1] - 30, INDEX[..., 2] - 30) <= radius
+
+
+def test_vessels_and_sheets_are_not_dense() -> None:
+    assert dense(ball((30, 30, 30), 8), 1.0).sum() > 0.85 * ball((30, 30, 30), 8).sum()
+    assert not dense(tube(1.5), 1.0).any()
+    sheet = np.abs(INDEX[..., 0] - 30) <= 0.6
+    assert not dense(sheet, 1.0).any()
+    # In finer voxels the same millimetres are more of them.
+    assert not dense(tube(3.0), 0.5).any()
+
+
+def test_within_is_the_distance_transform() -> None:
+    mask = np.random.default_rng(2).random((20, 19, 18)) < 0.01
+    for radius in (1.0, 2.9, 4.2):
+        np.testing.assert_array_equal(within(mask, radius), ndimage.distance_transform_edt(~mask) <= radius)
+    solid = np.pad(np.ones((6, 6, 6), bool), 5)
+    np.testing.assert_array_equal(within(solid, 2.9), ndimage.distance_transform_edt(~solid) <= 2.9)
+
+
+def test_threshold_runs_between_its_bounds() -> None:
+    assert running_threshold(np.full(5, 4.0)) == pytest.approx(1.8)
+    assert running_threshold(np.full(5, 1.0)) == 1.2
+    assert running_threshold(np.full(5, 50.0)) == 2.25
+
+
+def test_reach_fills_the_object_and_stops_at_a_vessel() -> None:
+    first, second = ball((15, 30, 30), 9), ball((55, 30, 30), 9)
+    field = np.where(first | second | tube(1.5), 6.0, 0.0).astype(np.float32)
+    field = ndimage.gaussian_filter(field, 0.6)
+    region = reach(field, np.ones(SHAPE, bool), ball((15, 30, 30), 2), 1.0)
+    inside = np.zeros(SHAPE, bool)
+    inside[region.box] = region.inside
+    assert inside[first & ~tube(2.5)].mean() > 0.97
+    assert not inside[second].any()
+    # A stub of the vessel within reach of the ball belongs to what is allowed, no more.
+    assert np.argwhere(inside)[:, 0].max() <= 15 + 9 + 4
+    assert region.threshold == pytest.approx(2.25)
+    assert not (region.inside & ~region.allowed).any()
+
+
+def test_reach_follows_an_object_beyond_its_first_box() -> None:
+    long = np.hypot(INDEX[..., 1] - 30, INDEX[..., 2] - 30) <= 6
+    field = np.where(long & (INDEX[..., 0] > 1) & (INDEX[..., 0] < 68), 5.0, 0.0).astype(np.float32)
+    region = reach(field, np.ones(SHAPE, bool), ball((4, 30, 30), 2), 1.0)
+    inside = np.zeros(SHAPE, bool)
+    inside[region.box] = region.inside
+    assert inside[66, 30, 30]
+
+
+def test_reach_of_a_speck_is_the_speck() -> None:
+    field = np.zeros(SHAPE, np.float32)
+    field[30, 30, 30] = 9.0
+    region = reach(field, np.ones(SHAPE, bool), ball((30, 30, 30), 0.5), 1.0)
+    assert region.inside.sum() == 1
+
+
+def test_reach_keeps_to_the_brain() -> None:
+    field = np.full(SHAPE, 5.0, np.float32)
+    brain = ball((35, 30, 30), 12)
+    region = reach(field, brain, ball((35, 30, 30), 2), 1.0)
+    inside = np.zeros(SHAPE, bool)
+    inside[region.box] = region.inside
+    np.testing.assert_array_equal(inside, brain)

@@ -1,0 +1,402 @@
+"""The dynamic mesh: what every operation keeps, whatever it is asked for."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numba import njit
+
+from shapery_contracts.errors import InvalidInput
+from shapery_geometry.intersections import self_intersections
+from shapery_geometry.mesh import TriangleMesh, icosphere
+from shapery_segmentation.mesh import DynamicMesh
+from shapery_segmentation.mesh import _operation_kernels as operations
+from shapery_segmentation.mesh.arrays import CREATED, ORIGIN, SCALE, TOUCHED
+from shapery_segmentation.mesh.invariants import defects
+
+
+@njit
+def split(m, h):
+    return operations.split_edge(m, h)
+
+
+@njit
+def flip(m, h):
+    return operations.flip_edge(m, h)
+
+
+@njit
+def collapse(m, h, longest):
+    return operations.collapse_edge(m, h, longest)
+
+
+@njit
+def next_around_face(h):
+    return operations.following(h)
+
+
+def ready(surface: TriangleMesh, edge_length: float = 100.0) -> DynamicMesh:
+    """Return a mesh on which operations can be called one by one: its grid is filled, nothing is remeshed."""
+    mesh = DynamicMesh(surface, edge_length)
+    mesh.remesh(np.zeros(mesh.vertex_slots, dtype=np.int8))
+    assert defects(mesh) == []
+    return mesh
+
+
+def edge(mesh: DynamicMesh, h: int) -> tuple[int, int]:
+    origins = mesh.arrays.half_edges[:, ORIGIN]
+    return int(origins[h]), int(origins[next_around_face(h)])
+
+
+def torus(major: float = 6.0, minor: float = 2.0, n: int = 36, m: int = 14) -> TriangleMesh:
+    """Return a closed surface of genus 1 with faces that look outwards."""
+    i, j = (a.ravel() for a in np.meshgrid(np.arange(n), np.arange(m), indexing="ij"))
+    s, t = 2 * np.pi * i / n, 2 * np.pi * j / m
+    vertices = np.stack(
+        ((major + minor * np.cos(t)) * np.cos(s), (major + minor * np.cos(t)) * np.sin(s), minor * np.sin(t)), axis=1
+    )
+    right, up, both = ((i + 1) % n) * m + j, i * m + (j + 1) % m, ((i + 1) % n) * m + (j + 1) % m
+    here = i * m + j
+    mesh = TriangleMesh(vertices, np.concatenate((np.stack((here, right, both), 1), np.stack((here, both, up), 1))))
+    assert mesh.volume > 0
+    return mesh
+
+
+def cube(n: int = 4, side: float = 8.0) -> TriangleMesh:
+    """Return a cube of n² squares a side, each cut in two: flat, with many faces in one plane."""
+    cells = np.ones((n, n, n), dtype=bool)
+    from shapery_segmentation.seeding.ball import surface_of
+
+    step = side / n
+    return surface_of(cells, np.diag([step, step, step, 1.0]))
+
+
+SURFACES = {"sphere": lambda: icosphere((1, 2, 3), 5.0, 2), "torus": torus, "cube": cube}
+
+
+# --- taking a surface in -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", SURFACES)
+def test_a_surface_goes_in_and_comes_out(name: str) -> None:
+    surface = SURFACES[name]()
+    mesh = DynamicMesh(surface, 1.0)
+    assert defects(mesh) == []
+    out = mesh.to_triangle_mesh()
+    assert len(out.vertices) == len(surface.vertices)
+    assert out.genus == surface.genus
+    assert out.volume == pytest.approx(surface.volume, rel=1e-6)
+    assert mesh.volume == pytest.approx(out.volume, rel=1e-5)
+    order = np.lexsort(out.vertices.T)
+    expected = surface.vertices.astype(np.float32).astype(np.float64)
+    assert np.array_equal(out.vertices[order], expected[np.lexsort(expected.T)])
+
+
+def test_vertices_that_no_face_uses_are_left_out() -> None:
+    sphere = icosphere(radius=2.0, subdivisions=1)
+    mesh = DynamicMesh(TriangleMesh(np.concatenate(([[9.0, 9, 9]], sphere.vertices)), sphere.faces + 1), 1.0)
+    assert mesh.vertex_count == len(sphere.vertices)
+
+
+def test_an_open_surface_is_refused() -> None:
+    sphere = icosphere(subdivisions=1)
+    with pytest.raises(InvalidInput, match="3 half-edges") as caught:
+        DynamicMesh(TriangleMesh(sphere.vertices, sphere.faces[1:]), 1.0)
+    assert caught.value.code == "invalid_mesh"
+
+
+def test_a_face_turned_over_is_refused() -> None:
+    sphere = icosphere(subdivisions=1)
+    faces = sphere.faces.copy()
+    faces[0] = faces[0, ::-1]
+    with pytest.raises(InvalidInput, match="half-edges"):
+        DynamicMesh(TriangleMesh(sphere.vertices, faces), 1.0)
+
+
+def test_two_parts_with_a_common_vertex_are_refused() -> None:
+    one = icosphere((0, 0, 0), 1.0, 1)
+    other = icosphere((0, 0, 0), 1.0, 1)
+    shift = one.vertices[0] * 2.0
+    faces = other.faces + len(one.vertices)
+    # The antipode of vertex 0 in the second sphere is where vertex 0 of the first one is.
+    opposite = int(np.argmin(other.vertices @ one.vertices[0]))
+    faces[faces == opposite + len(one.vertices)] = 0
+    both = TriangleMesh(np.concatenate((one.vertices, other.vertices + shift)), np.concatenate((one.faces, faces)))
+    with pytest.raises(InvalidInput, match="1 vertices in which it touches itself"):
+        DynamicMesh(both, 1.0)
+
+
+def test_spheres_that_overlap_are_refused() -> None:
+    a, b = icosphere((0, 0, 0), 2.0, 2), icosphere((3, 0, 0), 2.0, 2)
+    both = TriangleMesh(np.concatenate((a.vertices, b.vertices)), np.concatenate((a.faces, b.faces + len(a.vertices))))
+    with pytest.raises(InvalidInput, match="touch others"):
+        DynamicMesh(both, 1.0)
+
+
+@pytest.mark.parametrize("length", [0.0, -1.0, np.nan])
+def test_edge_lengths_must_be_positive(length: float) -> None:
+    with pytest.raises(ValueError, match="edge length"):
+        DynamicMesh(icosphere(), length)
+
+
+# --- one operation -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", SURFACES)
+def test_a_split_adds_a_vertex_and_leaves_the_shape(name: str) -> None:
+    mesh = ready(SURFACES[name]())
+    vertices, faces, volume = mesh.vertex_count, mesh.face_count, mesh.volume
+    u, v = edge(mesh, 10)
+    w = split(mesh.arrays, 10)
+    assert w >= 0
+    assert (mesh.vertex_count, mesh.face_count) == (vertices + 1, faces + 2)
+    assert np.allclose(mesh.arrays.points[w, :3], mesh.arrays.points[[u, v], :3].mean(axis=0), atol=1e-6)
+    assert mesh.arrays.vertices[w, TOUCHED] == CREATED
+    assert mesh.volume == pytest.approx(volume, rel=1e-5)
+    assert defects(mesh) == []
+
+
+@pytest.mark.parametrize("name", SURFACES)
+def test_a_collapse_takes_back_what_a_split_added(name: str) -> None:
+    mesh = ready(SURFACES[name]())
+    before = mesh.to_triangle_mesh()
+    w = split(mesh.arrays, 10)
+    h = int(np.flatnonzero(mesh.arrays.half_edges[:, ORIGIN] == w)[0])
+    done = False
+    while not done:
+        # One of the two ways along the old edge restores it.
+        done = collapse(mesh.arrays, h, 100.0)
+        h += 1
+    after = mesh.to_triangle_mesh()
+    assert (len(after.vertices), len(after.faces)) == (len(before.vertices), len(before.faces))
+    assert after.genus == before.genus
+    assert defects(mesh) == []
+
+
+@pytest.mark.parametrize("name", ["torus", "cube"])
+def test_a_flip_exchanges_the_diagonal_and_flips_back(name: str) -> None:
+    mesh = ready(SURFACES[name]())
+    before = mesh.to_triangle_mesh()
+    edges = {tuple(e) for e in before.edges.tolist()}
+    flipped = 0
+    for h in range(0, 3 * len(before.faces), 7):
+        if not flip(mesh.arrays, h):
+            continue
+        flipped += 1
+        after = mesh.to_triangle_mesh()
+        assert len(edges ^ {tuple(e) for e in after.edges.tolist()}) == 2
+        assert defects(mesh) == []
+        # The bound on the volume: the tetrahedron over the two faces.
+        assert abs(after.volume - before.volume) <= 0.05 * before.volume
+        assert flip(mesh.arrays, h)
+        assert {tuple(e) for e in mesh.to_triangle_mesh().edges.tolist()} == edges
+    assert flipped > 10
+    assert defects(mesh) == []
+
+
+def test_a_tetrahedron_is_never_collapsed_nor_flipped() -> None:
+    p = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=np.float64)
+    mesh = ready(TriangleMesh(p, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]))
+    for h in range(12):
+        assert not collapse(mesh.arrays, h, 100.0)
+        assert not flip(mesh.arrays, h)
+    assert defects(mesh) == []
+
+
+def test_no_collapse_closes_the_hole_of_a_torus() -> None:
+    # A tube of three vertices around: collapsing one of these rings' edges would pinch it.
+    mesh = ready(torus(6.0, 0.5, n=40, m=3))
+    for h in range(3 * 240):
+        if mesh.arrays.half_edges[h, ORIGIN] >= 0:
+            collapse(mesh.arrays, h, 100.0)
+    out = mesh.to_triangle_mesh()
+    assert out.genus == 1
+    assert defects(mesh) == []
+
+
+def test_a_collapse_makes_no_edge_longer_than_allowed() -> None:
+    mesh = ready(icosphere(radius=5.0, subdivisions=3))
+    for h in range(600):
+        if mesh.arrays.half_edges[h, ORIGIN] >= 0:
+            collapse(mesh.arrays, h, 1.2)
+    lengths = mesh.to_triangle_mesh().edge_lengths
+    assert mesh.vertex_count < 642
+    assert lengths.max() <= 1.2 + 1e-9
+
+
+# --- remeshing -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", SURFACES)
+@pytest.mark.parametrize("length", [0.7, 1.5, 4.0])
+def test_remeshing_reaches_the_edge_length_and_keeps_the_surface(name: str, length: float) -> None:
+    surface = SURFACES[name]()
+    mesh = DynamicMesh(surface, length)
+    mesh.remesh(rounds=30)
+    assert defects(mesh) == []
+    out = mesh.to_triangle_mesh()
+    assert out.closed
+    assert out.manifold
+    assert out.oriented
+    assert out.genus == surface.genus
+    assert out.component_count == 1
+    assert len(self_intersections(out)) == 0
+    assert np.percentile(out.edge_lengths, 99) <= 1.5 * length
+    # Coarse triangles cut corners; the tube of the torus is only as wide as the longest of these edges.
+    assert out.volume == pytest.approx(surface.volume, rel=0.02 if length < 2 else 0.4)
+
+
+def test_remeshing_a_fine_mesh_again_does_nothing() -> None:
+    mesh = DynamicMesh(icosphere(radius=5.0, subdivisions=3), 1.0)
+    mesh.remesh(rounds=30)
+    done = mesh.remesh()
+    assert done.splits + done.collapses + done.flips <= 0.01 * mesh.face_count
+
+
+def test_the_scale_of_a_vertex_refines_around_it() -> None:
+    mesh = DynamicMesh(icosphere(radius=5.0, subdivisions=3), 1.0)
+    mesh.remesh(rounds=10)
+    near = np.linalg.norm(mesh.arrays.points[:, :3] - (0, 0, 5.0), axis=1) < 2.0
+    mesh.arrays.points[near, SCALE] = 0.5
+    mesh.remesh(rounds=20)
+    assert defects(mesh) == []
+    out = mesh.to_triangle_mesh()
+    middle = out.vertices[out.edges].mean(axis=1)
+    distance = np.linalg.norm(middle - (0, 0, 5.0), axis=1)
+    assert out.edge_lengths[distance < 1.2].mean() < 0.65 * out.edge_lengths[distance > 4.0].mean()
+
+
+def test_only_active_edges_change() -> None:
+    mesh = DynamicMesh(icosphere(radius=5.0, subdivisions=2), 0.5)
+    points = mesh.arrays.points[:, :3]
+    active = (points[:, 2] > 3.0).astype(np.int8)
+    mesh.remesh(active, rounds=3)
+    out = mesh.to_triangle_mesh()
+    low = out.vertices[out.edges].max(axis=1)[:, 2] < -1.0
+    assert out.edge_lengths[low].min() > 0.8
+    assert defects(mesh) == []
+
+
+def test_arrays_grow_as_often_as_needed() -> None:
+    mesh = DynamicMesh(icosphere(radius=5.0, subdivisions=0), 0.3)
+    slots = mesh.vertex_slots
+    mesh.remesh(rounds=40)
+    assert mesh.vertex_slots > 4 * slots
+    assert mesh.vertex_count > 1500
+    assert defects(mesh) == []
+
+
+def test_compacting_keeps_the_surface_and_closes_the_gaps() -> None:
+    mesh = DynamicMesh(icosphere(radius=5.0, subdivisions=4), 1.5)
+    mesh.remesh(rounds=20)
+    before = mesh.to_triangle_mesh()
+    mesh.compact()
+    assert defects(mesh) == []
+    after = mesh.to_triangle_mesh()
+    assert np.array_equal(mesh.live, np.arange(mesh.vertex_count))
+    assert (len(after.vertices), len(after.faces)) == (len(before.vertices), len(before.faces))
+    assert after.volume == pytest.approx(before.volume, rel=1e-12)
+
+
+# --- moving --------------------------------------------------------------------------------------------------------
+
+
+def test_vertices_go_where_they_are_sent() -> None:
+    mesh = DynamicMesh(icosphere((10, 20, 30), 5.0, 3), 1.0)
+    live = mesh.live
+    target = mesh.arrays.points[live, :3] + (0.1, -0.2, 0.05)
+    assert mesh.move(live, target).all()
+    assert np.allclose(mesh.arrays.points[live, :3], target, atol=2e-6)
+    assert defects(mesh) == []
+
+
+def test_a_vertex_that_would_cross_another_part_stays() -> None:
+    a, b = icosphere((0, 0, 0), 2.0, 2), icosphere((4.1, 0, 0), 2.0, 2)
+    both = TriangleMesh(np.concatenate((a.vertices, b.vertices)), np.concatenate((a.faces, b.faces + len(a.vertices))))
+    mesh = DynamicMesh(both, 1.0)
+    live = mesh.live
+    points = mesh.arrays.points[live, :3]
+    left = points[:, 0] < 2.05
+    before = points.copy()
+    moved = mesh.move(live[left], points[left] + (0.6, 0, 0))
+    assert defects(mesh) == []
+    assert moved.any()
+    assert not moved.all()
+    # What went back is where it was, what moved is where it was sent.
+    after = mesh.arrays.points[live, :3]
+    assert np.array_equal(after[left][~moved], before[left][~moved])
+    assert np.allclose(after[left][moved], before[left][moved] + (0.6, 0, 0), atol=1e-5)
+    assert np.array_equal(after[~left], before[~left])
+
+
+def test_a_face_is_not_turned_over() -> None:
+    mesh = DynamicMesh(icosphere(radius=5.0, subdivisions=2), 1.0)
+    v = int(mesh.live[0])
+    inward = mesh.arrays.points[v, :3] * 0.2
+    assert not mesh.move(np.array([v], dtype=np.int32), inward[None]).any()
+    assert defects(mesh) == []
+
+
+def test_nothing_moves_if_nobody_is_named() -> None:
+    mesh = DynamicMesh(icosphere(radius=5.0, subdivisions=1), 1.0)
+    assert mesh.move(np.zeros(0, dtype=np.int32), np.zeros((0, 3))).shape == (0,)
+    assert defects(mesh) == []
+
+
+@given(st.integers(0, 2**32 - 1), st.sampled_from(sorted(SURFACES)), st.floats(0.02, 1.5), st.floats(0.6, 2.5))
+@settings(max_examples=15, deadline=None)
+def test_random_moves_and_remeshing_keep_everything(seed: int, name: str, size: float, length: float) -> None:
+    rng = np.random.default_rng(seed)
+    surface = SURFACES[name]()
+    mesh = DynamicMesh(surface, length)
+    for _ in range(4):
+        live = mesh.live
+        some = live[rng.random(len(live)) < 0.7]
+        mesh.move(some, mesh.arrays.points[some, :3] + size * rng.normal(size=(len(some), 3)))
+        assert defects(mesh) == []
+        mesh.remesh((rng.random(mesh.vertex_slots) < 0.5).astype(np.int8))
+        assert defects(mesh) == []
+    out = mesh.to_triangle_mesh()
+    assert out.genus == surface.genus
+    assert len(self_intersections(out)) == 0
+
+
+@given(st.integers(0, 2**32 - 1))
+@settings(max_examples=10, deadline=None)
+def test_any_order_of_single_operations_keeps_everything(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    surface = SURFACES[("sphere", "torus", "cube")[seed % 3]]()
+    mesh = ready(surface)
+    done = np.zeros(3, dtype=int)
+    for _ in range(60):
+        half_edges = np.flatnonzero(mesh.arrays.half_edges[:, ORIGIN] >= 0)
+        h = int(rng.choice(half_edges[half_edges < 3 * (mesh.face_count + 100)]))
+        if mesh.arrays.half_edges[3 * (h // 3), ORIGIN] < 0:
+            continue
+        kind = int(rng.integers(3))
+        if kind == 0:
+            done[0] += split(mesh.arrays, h) >= 0
+        elif kind == 1:
+            done[1] += flip(mesh.arrays, h)
+        else:
+            done[2] += collapse(mesh.arrays, h, 100.0)
+        assert mesh.face_count - mesh.vertex_count * 2 == -2 * (2 - 2 * surface.genus)
+    assert defects(mesh) == []
+    assert (done > 0).all()
+    assert mesh.to_triangle_mesh().genus == surface.genus
+
+
+def test_the_checker_finds_what_is_broken() -> None:
+    mesh = ready(icosphere(radius=5.0, subdivisions=2))
+    mesh.arrays.points[0, 0] += 1.0 / 3.0
+    found = defects(mesh)
+    assert "a position is not a float32 value" in found
+    assert "what is known of a face is not what its corners say" in found
+    mesh = ready(icosphere(radius=5.0, subdivisions=2))
+    mesh.arrays.half_edges[0, 1] = 1
+    assert defects(mesh) == ["twins are not mutual"]
+    mesh = ready(icosphere(radius=5.0, subdivisions=2))
+    mesh.arrays.links[3, 11] = 1
+    assert defects(mesh) == ["a face is still marked as about to be replaced"]
