@@ -105,9 +105,9 @@ def report_error(error: Exception) -> int:
     if status == FAULT:
         stderr.print("".join(traceback.format_exception(error)), style="dim", markup=False)
     stderr.print("[bold red]error[/] ", end="")
-    stderr.print(message, markup=False)
+    stderr.print(message, markup=False, soft_wrap=True)
     if hint:
-        stderr.print(hint, markup=False)
+        stderr.print(hint, markup=False, soft_wrap=True)
     return status
 
 
