@@ -62,7 +62,7 @@ class ProbeParams(BaseModel):
     artifacts: dict[str, int] = {}
     """Sizes by name."""
     once: str | None = None
-    """A file; the action is carried out only if it does not exist, and makes it."""
+    """A file that the first attempt makes; only that attempt carries out the action, or the steps where it is none."""
     started: str | None = None
     """A folder in which each run leaves a file when it starts."""
 
@@ -92,14 +92,13 @@ class ProbeHandler:
             path = context.output / name
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(artifact_bytes(params.seed, name, size))
-        for step in range(params.steps):
+        first = params.once is None or claim_file(Path(params.once))
+        for step in range(params.steps if first or params.action != "finish" else 0):
             context.stage(f"step {step + 1}", step / params.steps, f"step {step + 1} of {params.steps}")
             time.sleep(params.step_seconds)
             if params.listen:
                 context.check_cancelled()
-        seen = {}
-        if params.once is None or claim_file(Path(params.once)):
-            seen = self._act(params, context)
+        seen = self._act(params, context) if first else {}
         found = {name: digests(path) for name, path in inputs.items()}
         if params.action == "wrong_result":
             return {"inputs": 1}  # type: ignore[return-value]

@@ -187,6 +187,7 @@ class Attempt:
             except NotWanted as interrupted:
                 process.kill()
                 if interrupted.why == "lost":
+                    logger.warning("job %s: the lease was lost; what was done is forgotten", job.job_id)
                     return None
                 if interrupted.why == "cancelled":
                     return self._stop()

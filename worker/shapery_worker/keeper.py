@@ -118,8 +118,7 @@ class LeaseKeeper:
 
     def _learn(self, state: JobState | None) -> None:
         if state is None:
-            logger.warning("job %s: the lease was lost", self._job_id)
-            self._lost.set()
+            self._lost.set()  # also after this worker itself has ended the job, so it is nothing to log
         elif state is JobState.CANCELLING and not self._cancelled.is_set():
             logger.info("job %s: cancelled by its owner", self._job_id)
             self._cancelled.set()

@@ -13,10 +13,11 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from redis import RedisError
 from sqlalchemy.exc import SQLAlchemyError
 
 from shapery_contracts.errors import ShaperyError
-from shapery_platform import dispatch, jobs, retention
+from shapery_platform import dispatch, jobs, queue, retention
 from shapery_platform.db import Database
 from shapery_platform.queue import make_celery
 from shapery_platform.settings import Settings
@@ -26,6 +27,10 @@ from shapery_worker.stop_signal import StopSignal
 
 ALIVE_WITHIN = 30.0
 """Seconds after which a reaper that has completed no turn is not healthy."""
+
+RESEND_AFTER = 300.0
+"""Seconds after which the message of a job that still waits is sent once more, however long the queue is."""
+RESEND_EVERY = 60.0
 
 logger = logging.getLogger(__name__)
 
@@ -44,6 +49,7 @@ class Reaper:
         self._celery = make_celery(settings)
         self._retention: threading.Thread | None = None
         self._troubles: set[str] = set()
+        self._resend_due = time.monotonic() + RESEND_EVERY
 
     def run(self, stop: StopSignal) -> None:
         """Take turns until asked to stop."""
@@ -68,7 +74,26 @@ class Reaper:
         # The one does not need the other: jobs of dead workers end as they should while the queue is away.
         recovered = self._attempt("recovery", self._recover)
         sent = self._attempt("dispatch", self._dispatch)
+        if time.monotonic() >= self._resend_due:
+            self._attempt("sending again", self.resend)
+            self._resend_due = time.monotonic() + RESEND_EVERY
         return recovered and sent
+
+    def resend(self) -> None:
+        """Send old messages once more, as far as the queues are not twice as long as they should be.
+
+        The dispatcher takes a message for lost when its queue is empty. A queue that never drains would hide the loss
+        of one message for ever; a message too many is dropped by the claim.
+        """
+        for service, length in queue.queue_lengths(self._settings).items():
+            room = 2 * self._settings.dispatch_window - length
+            if room <= 0:
+                continue
+            with self._database.session(readonly=True) as session:
+                waiting = jobs.queued_without_message(session, service, room, RESEND_AFTER)
+            sent = dispatch.send(self._database, self._celery, waiting)
+            if sent:
+                logger.info("sent %d messages of %s once more", sent, service)
 
     def expire(self) -> bool:
         """Remove what has expired, once; tells whether everything answered."""
@@ -94,7 +119,7 @@ class Reaper:
         """Do one part of a turn; what is away now is asked again in the next, and said once."""
         try:
             action()
-        except (SQLAlchemyError, ShaperyError, OSError) as error:
+        except (SQLAlchemyError, RedisError, ShaperyError, OSError) as error:
             if name not in self._troubles:
                 logger.warning("%s has to wait: %s", name, error)
             self._troubles.add(name)

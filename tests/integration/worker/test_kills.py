@@ -130,10 +130,10 @@ def test_a_cancelled_job_whose_worker_dies_ends_as_cancelled(stack: Stack) -> No
     stack.until(lambda: not any(alive(process.pid) for process in below), "its processes are gone", 10)
 
 
-def test_shutdown_finishes_short_jobs_and_gives_long_ones_back(stack: Stack) -> None:
+def test_shutdown_finishes_short_jobs_and_gives_long_ones_back(stack: Stack, tmp_path: Path) -> None:
     worker = stack.start_worker(concurrency=2, SHAPERY_WORKER_SHUTDOWN_GRACE="2")
     short = stack.submit(steps=3, step_seconds=0.3, artifacts=ARTIFACTS)
-    long = stack.submit(steps=60, step_seconds=0.1, artifacts=ARTIFACTS)
+    long = stack.submit(steps=600, step_seconds=0.1, once=str(tmp_path / "once"), artifacts=ARTIFACTS)
     stack.wait_until_running(short)
     stack.wait_until_running(long)
     with measures.measured("shutdown with a long job, grace 2 s"):

@@ -69,7 +69,7 @@ def test_a_platform_is_kept_running_and_stops_within_seconds(tmp_path: Path) -> 
         expected_end(job, artifacts=ARTIFACTS, seed=1, stack=stack)
 
         # a stop gives the running job back; all that was queued goes on after the next start
-        long = stack.submit(steps=60, step_seconds=0.1, artifacts=ARTIFACTS)
+        long = stack.submit(steps=600, step_seconds=0.1, once=str(tmp_path / "once"), artifacts=ARTIFACTS)
         queued = [stack.submit(artifacts=ARTIFACTS, seed=seed) for seed in range(2, 6)]
         stack.wait_until_running(long)
         began = time.monotonic()

@@ -9,17 +9,24 @@ import subprocess
 import sys
 import time
 import urllib.request
+from datetime import timedelta
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
+from uuid import UUID
 
 import pytest
 from pydantic import ValidationError
+from sqlalchemy import update
 
+from shapery_contracts.api import JobCreate
 from shapery_contracts.errors import Unavailable
-from shapery_platform import jobs, workers
-from shapery_platform.db import Database
+from shapery_contracts.formats import AssetKind, FileFormat
+from shapery_platform import assets, jobs, workers
+from shapery_platform.db import Database, utc_now
+from shapery_platform.db.models import Job
 from shapery_platform.settings import load_settings
+from shapery_platform.storage import ObjectStore
 from shapery_worker import cli
 from shapery_worker.broker import DeliveryWatch, PatientConnection, state
 from shapery_worker.health import check_health
@@ -165,6 +172,52 @@ def test_the_reaper_goes_on_whatever_fails_and_says_it_once(
     assert len(recovered) == 4
     assert "ZeroDivisionError" in caplog.text
     assert reaper.expire()
+
+
+def test_a_reaper_without_redis_says_so_in_one_line(settings: Any, caplog: pytest.LogCaptureFixture) -> None:
+    reaper = Reaper(settings)
+    for _ in range(3):
+        assert not reaper.turn()
+    assert "Traceback" not in caplog.text
+    assert caplog.text.count("dispatch has to wait") == 1
+
+
+def test_a_message_lost_in_a_queue_that_never_drains_is_sent_again(
+    settings: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    database = Database(settings.database_url)
+    asset = ObjectStore.from_settings(settings, database).put_bytes(b"volume")
+    with database.session() as session:
+        volume = FileFormat(kind=AssetKind.VOLUME, format="nifti1", media_type="", extension=".nii")
+        store = ObjectStore.from_settings(settings, database)
+        post = assets.create_from_upload(session, store, settings, "ann", asset.sha256, asset.size, "x", volume).id
+    old, new, running = (create_job(database, settings, post) for _ in range(3))
+    with database.session() as session:
+        jobs.mark_enqueued(session, [old, new, running])
+        assert jobs.claim(session, running, "worker") is not None
+        session.execute(
+            update(Job).where(Job.id.in_([old, running])).values(enqueued_at=utc_now() - timedelta(seconds=400))
+        )
+    sent: list[Any] = []
+    lengths = {"segmentation": 3}
+    monkeypatch.setattr("shapery_platform.queue.queue_lengths", lambda _settings: lengths)
+    monkeypatch.setattr("shapery_platform.queue.send", lambda _celery, listed: sent.extend(listed) or len(listed))
+    reaper = Reaper(settings)
+    reaper.resend()
+    assert sent == [(old, "segmentation")]
+    reaper.resend()
+    assert len(sent) == 1  # not again so soon
+    lengths["segmentation"] = 2 * settings.dispatch_window
+    with database.session() as session:
+        session.execute(update(Job).where(Job.id == old).values(enqueued_at=utc_now() - timedelta(seconds=400)))
+    reaper.resend()
+    assert len(sent) == 1  # nor into a queue that is long enough
+    database.dispose()
+
+
+def create_job(database: Database, settings: Any, post: UUID) -> UUID:
+    with database.session() as session:
+        return jobs.create(session, settings, "ann", JobCreate(kind="segmentation", inputs={"post": post}))[0].id
 
 
 def test_health_says_what_is_missing(settings: Any) -> None:

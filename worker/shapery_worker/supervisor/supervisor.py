@@ -34,7 +34,7 @@ _REDIS_WITHIN = 10.0
 _SHUTDOWN_GRACE = 2.0
 """Seconds that running jobs have to finish when everything stops: whoever presses Ctrl-C wants it to end. They are
 given back to the queue and continue at the next start."""
-_STOP_WITHIN = 6.0
+_STOP_WITHIN = 10.0
 
 logger = logging.getLogger(__name__)
 
