@@ -15,9 +15,17 @@ from pathlib import Path
 from uuid import UUID
 
 import pytest
-from hypothesis import HealthCheck, settings
+from hypothesis import HealthCheck, Phase, settings
 from hypothesis import strategies as st
-from hypothesis.stateful import Bundle, RuleBasedStateMachine, consumes, invariant, rule, run_state_machine_as_test
+from hypothesis.stateful import (
+    Bundle,
+    RuleBasedStateMachine,
+    consumes,
+    invariant,
+    precondition,
+    rule,
+    run_state_machine_as_test,
+)
 from sqlalchemy import event, select, update
 
 from shapery_contracts.api import JobCreate
@@ -73,6 +81,7 @@ class JobLifecycle(RuleBasedStateMachine):
     def holds(self, job: ClaimedJob) -> bool:
         return self.expected[job.job_id].lease == job.lease
 
+    @precondition(lambda self: len(self.expected) < 3)
     @rule(target=created)
     def create(self) -> UUID:
         with self.database.session() as session:
@@ -90,7 +99,7 @@ class JobLifecycle(RuleBasedStateMachine):
         assert (job is not None) == (self.may(job_id, JobAction.CLAIM) is not None)
         if job is None:
             # a lease that nobody has: whoever uses it must get nowhere
-            return ClaimedJob(job_id, UUID(int=1), "ann", "segmentation", "segmentation", {}, 1, 3)
+            return ClaimedJob(job_id, UUID(int=1), "ann", "segmentation", "segmentation", {}, 1, 2)
         expected.state, expected.lease = JobState.RUNNING, job.lease
         expected.attempt += 1
         assert job.attempt == expected.attempt <= self.settings.max_attempts
@@ -143,6 +152,17 @@ class JobLifecycle(RuleBasedStateMachine):
         assert state == (self.given_back(job.job_id) if self.holds(job) else None)
         if state is not None:
             self.end(job.job_id, state)
+
+    @rule(job_id=created, by_reaper=st.booleans())
+    def poison(self, job_id: UUID, by_reaper: bool) -> None:
+        """A job that takes every worker along, as long as one takes it."""
+        while self.may(job_id, JobAction.CLAIM) is not None:
+            job = self.deliver(job_id, "victim")
+            if by_reaper:
+                self.reap({list(self.expected).index(job_id)})
+            else:
+                self.break_off(job)
+        assert self.expected[job_id].state is not JobState.QUEUED
 
     @rule(job=leases)
     def release(self, job: ClaimedJob) -> None:
@@ -248,8 +268,8 @@ class JobLifecycle(RuleBasedStateMachine):
 
 def prepared(url: str, folder: Path) -> type[JobLifecycle]:
     """Return the machine over a migrated database."""
-    # nobody falls silent but those whom the test makes so
-    own = load_settings(home=folder, database_url=url, min_free_bytes=0, lease_seconds=3600)
+    # nobody falls silent but those whom the test makes so; few attempts, so that they are used up
+    own = load_settings(home=folder, database_url=url, min_free_bytes=0, lease_seconds=3600, max_attempts=2)
     database = Database(url)
     database.migrate()
     if database.dialect == "sqlite":
@@ -275,6 +295,8 @@ def run(machine: type[JobLifecycle], examples: int) -> None:
         max_examples=examples,
         stateful_step_count=30,
         deadline=None,
+        # a path of 30 steps is read more quickly than it is shortened over a database
+        phases=(Phase.explicit, Phase.reuse, Phase.generate),
         suppress_health_check=list(HealthCheck),
     )
     try:
