@@ -28,13 +28,21 @@ def command(program: list[str]) -> list[str]:
 
 def guard(parent: int, program: list[str]) -> int:
     """Run `program` as a child, pass signals on to it, and kill it when `parent` is gone; returns its exit code."""
-    child = subprocess.Popen(program)
+    child: subprocess.Popen[bytes] | None = None
+    early: list[int] = []
 
     def forward(number: int, _frame: FrameType | None) -> None:
-        child.send_signal(number)
+        if child is None:
+            early.append(number)
+        else:
+            child.send_signal(number)
 
+    # Before the program is started: a signal in between would end the guard and leave the program alone.
     for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
         signal.signal(number, forward)
+    child = subprocess.Popen(program)
+    for number in early:
+        child.send_signal(number)
     watch_parent(parent, child.kill)
     code = child.wait()
     return code if code >= 0 else 128 - code
