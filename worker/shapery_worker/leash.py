@@ -41,8 +41,8 @@ def guard(parent: int, program: list[str]) -> int:
     for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
         signal.signal(number, forward)
     child = subprocess.Popen(program)
-    for number in early:
-        child.send_signal(number)
+    for missed in early:
+        child.send_signal(missed)
     watch_parent(parent, child.kill)
     code = child.wait()
     return code if code >= 0 else 128 - code
