@@ -23,8 +23,9 @@ BoolArray = NDArray[np.bool_]
 COARSE = 3.0
 """mm. Skull and scalp are thicker than this almost everywhere, and a head is then half a million voxels."""
 
-STRIPPED_SHARE = 0.55
-"""A small foreground that is brain by this share was stripped before; of a whole head, the brain is about 40 %."""
+SCALP = 0.95
+"""Brightness of the outer 6 mm, relative to the inside, from which they are skin and fat: 1.0 to 1.4 in whole heads.
+The cortex and the fluid around a stripped brain have 0.6 to 0.9."""
 
 LARGEST_BRAIN = 2.0e6
 """mm³ that no brain with its fluid exceeds, but a head with its face does."""
@@ -34,6 +35,15 @@ CONSTANT_SHARE = 0.95
 
 LEAST_BRAIN = 50e3
 """mm³ of brain without which nothing can be judged (an adult's has 1.1 to 1.6 million)."""
+
+UNDER_SKULL = 15.0
+"""mm below the skin: scalp and skull are not as thick."""
+
+BIAS_SCALE = 25.0
+"""mm: standard deviation of the Gaussian over which the brain's local brightness is averaged."""
+
+REGROWN, CLOSED = 8, 5
+"""Coarse voxels by which the brain is grown back through tissue, and then closed over its sulci."""
 
 FACES = ndimage.generate_binary_structure(3, 1)
 BALL = ndimage.generate_binary_structure(3, 2)
@@ -73,6 +83,8 @@ def find_brain(reference: Volume, post: Volume) -> Brain:
     InvalidInput
         ``invalid_volume`` where nothing brain-like is in it.
     """
+    # Where a file has NaN around the brain, that is its background.
+    reference, post_filled = reference.filled(), post.filled()
     full = working_grid(post)
     coarse = working_grid(post, spacing=COARSE)
     image = coarse.sample(reference)
@@ -93,10 +105,8 @@ def find_brain(reference: Volume, post: Volume) -> Brain:
             f"The volume shows {foreground.sum() * COARSE**3 / 1000:.3g} ml of tissue: too little for a brain.",
             "Give the whole volume; if its header has a wrong spacing, mend that.",
         )
-    inner = _strip(image, foreground)
-    small = foreground.sum() * COARSE**3 < LARGEST_BRAIN
-    stripped = bool(background is not None and small and inner.sum() > STRIPPED_SHARE * foreground.sum())
-    brain = foreground if stripped else inner
+    stripped = background is not None and _is_stripped(image, foreground)
+    brain = foreground if stripped else _strip(image, foreground)
     if brain.sum() * COARSE**3 < LEAST_BRAIN:
         raise InvalidInput(
             "invalid_volume",
@@ -107,7 +117,7 @@ def find_brain(reference: Volume, post: Volume) -> Brain:
     grid = full.cropped(*_box_on(full, coarse, brain))
     if stripped:
         mask = _upsampled(grid, coarse, dilated(brain, 2))
-        for volume in (reference,) if reference is post else (reference, post):
+        for volume in (reference, post_filled):
             mask &= _not_background(grid, volume)
     else:
         mask = _upsampled(grid, coarse, brain)
@@ -127,7 +137,9 @@ def otsu(values: NDArray[Any]) -> float:
     both = (weight > 0) & (rest > 0)
     between = np.zeros(len(counts))
     between[both] = (moment[-1] * weight / weight[-1] - moment)[both] ** 2 / (weight * rest)[both]
-    return float(centres[int(between.argmax())])
+    # Between well separated classes the maximum is a plateau: its middle.
+    best = np.flatnonzero(between >= between.max() * (1.0 - 1e-9))
+    return float(centres[best].mean())
 
 
 def largest_part(mask: BoolArray) -> BoolArray:
@@ -162,6 +174,17 @@ def closed(mask: BoolArray, steps: int) -> BoolArray:
     return np.asarray(ndimage.binary_fill_holes(wide)[inside] | mask)
 
 
+def _is_stripped(image: NDArray[np.float32], foreground: BoolArray) -> bool:
+    """Tell whether the foreground is a brain alone: no larger than one, and without a bright skin around it."""
+    if foreground.sum() * COARSE**3 > LARGEST_BRAIN:
+        return False
+    depth = ndimage.distance_transform_edt(np.pad(foreground, 1))[1:-1, 1:-1, 1:-1] * COARSE
+    inside = image[depth > UNDER_SKULL]
+    if not inside.size:
+        return True
+    return bool(np.median(image[foreground & (depth <= 6.0)]) < SCALP * np.median(inside))
+
+
 def _strip(image: NDArray[np.float32], foreground: BoolArray) -> BoolArray:
     """Return the brain of a whole head, on the coarse grid.
 
@@ -171,12 +194,21 @@ def _strip(image: NDArray[np.float32], foreground: BoolArray) -> BoolArray:
     head = closed(foreground, 3)
     depth = ndimage.distance_transform_edt(np.pad(head, 1))[1:-1, 1:-1, 1:-1] * COARSE
     deep = head & (depth > min(30.0, 0.6 * float(depth.max())))
-    values = image[deep]
-    if values.size == 0:
+    if not deep.any():
         return np.zeros_like(foreground)
+    # Coils brighten what is near them by a factor of two and more. The tissue below the skull tells by how much; fat
+    # and vessels are cut off, or they would stand for it.
+    middle = float(np.median(image[deep]))
+    inner = (head & (depth > UNDER_SKULL)).astype(np.float32)
+    capped = np.minimum(image, 1.5 * middle) * inner
+    sigma = BIAS_SCALE / COARSE
+    share = ndimage.gaussian_filter(inner, sigma)
+    local = ndimage.gaussian_filter(capped, sigma) / np.maximum(share, 1e-3)
+    even = np.where(share > 1e-3, image / np.maximum(local, 0.1 * middle), 0.0)
+    values = even[deep]
     middle = float(np.median(values))
     spread = 1.4826 * float(np.median(np.abs(values - middle)))
-    tissue = head & (image > middle - 2.5 * spread) & (image > 0.6 * middle) & (image < middle + 4.0 * spread)
+    tissue = head & (even > max(middle - 2.5 * spread, 0.6 * middle)) & (even < middle + 4.0 * spread)
     # Scalp is never deeper than this; near the rim only what an inner core reaches counts.
     seed = eroded(tissue & (depth > 6.0), 3)
     labels, count = ndimage.label(seed)
@@ -186,9 +218,9 @@ def _strip(image: NDArray[np.float32], foreground: BoolArray) -> BoolArray:
     weight = ndimage.sum_labels(np.where(seed, depth, 0.0), labels, np.arange(1, count + 1))
     core = labels == int(np.argmax(weight)) + 1
     # Step by step through tissue: a ball of the same reach would jump the skull.
-    for _ in range(5):
+    for _ in range(REGROWN):
         core = core | (dilated(core, 1) & tissue)
-    return np.asarray(closed(core, 4) & (depth > 4.0))
+    return np.asarray(closed(core, CLOSED) & (depth > 4.0))
 
 
 def _background_value(volume: Volume) -> float | None:

@@ -52,7 +52,7 @@ def test_any_constant_may_be_the_background(tilted_head: HeadPhantom) -> None:
 def test_a_volume_without_a_brain_is_refused() -> None:
     rng = np.random.default_rng(0)
     data = rng.normal(10, 1, (60, 60, 60)).astype(np.float32)
-    data[28:33, 28:33, 28:33] += 500
+    data[20:40, 20:40, 20:40] += 500
     volume = Volume(data, np.eye(4))
     with pytest.raises(InvalidInput, match="too little") as caught:
         find_brain(volume, volume)

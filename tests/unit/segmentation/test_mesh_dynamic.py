@@ -6,35 +6,46 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numba import njit
 
 from shapery_contracts.errors import InvalidInput
 from shapery_geometry.intersections import self_intersections
 from shapery_geometry.mesh import TriangleMesh, icosphere
 from shapery_segmentation.mesh import DynamicMesh
-from shapery_segmentation.mesh import _operation_kernels as operations
-from shapery_segmentation.mesh.arrays import CREATED, ORIGIN, SCALE, TOUCHED
+from shapery_segmentation.mesh import _remesh_kernels as passes
+from shapery_segmentation.mesh.arrays import CREATED, FREE_VERTEX, ORIGIN, SCALE, TOUCHED, TWIN, VERTEX_TOP
 from shapery_segmentation.mesh.invariants import defects
 
 
-@njit
-def split(m, h):
-    return operations.split_edge(m, h)
+def everywhere(mesh: DynamicMesh) -> np.ndarray:
+    return np.ones(mesh.vertex_slots, dtype=np.int8)
 
 
-@njit
-def flip(m, h):
-    return operations.flip_edge(m, h)
+def split(mesh: DynamicMesh, h: int) -> int:
+    """Split one edge; return the new vertex, or −1."""
+    expected = (
+        mesh.arrays.layout[FREE_VERTEX] if mesh.arrays.layout[FREE_VERTEX] >= 0 else mesh.arrays.layout[VERTEX_TOP]
+    )
+    h = min(h, int(mesh.arrays.half_edges[h, TWIN]))
+    done, resume = passes.split_pass(mesh.arrays, h, h + 1, 1.0, 0.0, everywhere(mesh))
+    assert resume == -1
+    return int(expected) if done else -1
 
 
-@njit
-def collapse(m, h, longest):
-    return operations.collapse_edge(m, h, longest)
+def flip(mesh: DynamicMesh, h: int) -> bool:
+    """Flip one edge, however well it lies."""
+    h = min(h, int(mesh.arrays.half_edges[h, TWIN]))
+    return bool(passes.flip_pass(mesh.arrays, h, h + 1, -np.inf, everywhere(mesh)))
 
 
-@njit
-def next_around_face(h):
-    return operations.following(h)
+def collapse(mesh: DynamicMesh, h: int, longest: float = 100.0) -> bool:
+    """Collapse one edge in one direction or the other, however long it is."""
+    h = min(h, int(mesh.arrays.half_edges[h, TWIN]))
+    active = everywhere(mesh)
+    return bool(passes.collapse_pass(mesh.arrays, h, h + 1, 1.0, np.inf, longest, active, np.zeros_like(active)))
+
+
+def next_around_face(h: int) -> int:
+    return h - 2 if h % 3 == 2 else h + 1
 
 
 def ready(surface: TriangleMesh, edge_length: float = 100.0) -> DynamicMesh:
@@ -48,6 +59,14 @@ def ready(surface: TriangleMesh, edge_length: float = 100.0) -> DynamicMesh:
 def edge(mesh: DynamicMesh, h: int) -> tuple[int, int]:
     origins = mesh.arrays.half_edges[:, ORIGIN]
     return int(origins[h]), int(origins[next_around_face(h)])
+
+
+def longest_edge(mesh: DynamicMesh) -> int:
+    """Return a half-edge of the longest edge; only edges that are the longest of a face are ever split."""
+    used = np.flatnonzero(mesh.arrays.half_edges[:, ORIGIN] >= 0)
+    ends = [edge(mesh, int(h)) for h in used]
+    points = mesh.arrays.points[:, :3]
+    return int(used[np.argmax([np.linalg.norm(points[u] - points[v]) for u, v in ends])])
 
 
 def torus(major: float = 6.0, minor: float = 2.0, n: int = 36, m: int = 14) -> TriangleMesh:
@@ -148,8 +167,8 @@ def test_edge_lengths_must_be_positive(length: float) -> None:
 def test_a_split_adds_a_vertex_and_leaves_the_shape(name: str) -> None:
     mesh = ready(SURFACES[name]())
     vertices, faces, volume = mesh.vertex_count, mesh.face_count, mesh.volume
-    u, v = edge(mesh, 10)
-    w = split(mesh.arrays, 10)
+    u, v = edge(mesh, longest_edge(mesh))
+    w = split(mesh, longest_edge(mesh))
     assert w >= 0
     assert (mesh.vertex_count, mesh.face_count) == (vertices + 1, faces + 2)
     assert np.allclose(mesh.arrays.points[w, :3], mesh.arrays.points[[u, v], :3].mean(axis=0), atol=1e-6)
@@ -162,13 +181,9 @@ def test_a_split_adds_a_vertex_and_leaves_the_shape(name: str) -> None:
 def test_a_collapse_takes_back_what_a_split_added(name: str) -> None:
     mesh = ready(SURFACES[name]())
     before = mesh.to_triangle_mesh()
-    w = split(mesh.arrays, 10)
+    w = split(mesh, longest_edge(mesh))
     h = int(np.flatnonzero(mesh.arrays.half_edges[:, ORIGIN] == w)[0])
-    done = False
-    while not done:
-        # One of the two ways along the old edge restores it.
-        done = collapse(mesh.arrays, h, 100.0)
-        h += 1
+    assert collapse(mesh, h)
     after = mesh.to_triangle_mesh()
     assert (len(after.vertices), len(after.faces)) == (len(before.vertices), len(before.faces))
     assert after.genus == before.genus
@@ -181,8 +196,8 @@ def test_a_flip_exchanges_the_diagonal_and_flips_back(name: str) -> None:
     before = mesh.to_triangle_mesh()
     edges = {tuple(e) for e in before.edges.tolist()}
     flipped = 0
-    for h in range(0, 3 * len(before.faces), 7):
-        if not flip(mesh.arrays, h):
+    for h in range(0, 3 * len(before.faces), 41):
+        if not flip(mesh, h):
             continue
         flipped += 1
         after = mesh.to_triangle_mesh()
@@ -190,9 +205,9 @@ def test_a_flip_exchanges_the_diagonal_and_flips_back(name: str) -> None:
         assert defects(mesh) == []
         # The bound on the volume: the tetrahedron over the two faces.
         assert abs(after.volume - before.volume) <= 0.05 * before.volume
-        assert flip(mesh.arrays, h)
+        assert flip(mesh, h)
         assert {tuple(e) for e in mesh.to_triangle_mesh().edges.tolist()} == edges
-    assert flipped > 10
+    assert flipped >= 5
     assert defects(mesh) == []
 
 
@@ -200,8 +215,8 @@ def test_a_tetrahedron_is_never_collapsed_nor_flipped() -> None:
     p = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=np.float64)
     mesh = ready(TriangleMesh(p, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]))
     for h in range(12):
-        assert not collapse(mesh.arrays, h, 100.0)
-        assert not flip(mesh.arrays, h)
+        assert not collapse(mesh, h)
+        assert not flip(mesh, h)
     assert defects(mesh) == []
 
 
@@ -210,7 +225,7 @@ def test_no_collapse_closes_the_hole_of_a_torus() -> None:
     mesh = ready(torus(6.0, 0.5, n=40, m=3))
     for h in range(3 * 240):
         if mesh.arrays.half_edges[h, ORIGIN] >= 0:
-            collapse(mesh.arrays, h, 100.0)
+            collapse(mesh, h)
     out = mesh.to_triangle_mesh()
     assert out.genus == 1
     assert defects(mesh) == []
@@ -220,10 +235,10 @@ def test_a_collapse_makes_no_edge_longer_than_allowed() -> None:
     mesh = ready(icosphere(radius=5.0, subdivisions=3))
     for h in range(600):
         if mesh.arrays.half_edges[h, ORIGIN] >= 0:
-            collapse(mesh.arrays, h, 1.2)
+            collapse(mesh, h, 1.5)
     lengths = mesh.to_triangle_mesh().edge_lengths
     assert mesh.vertex_count < 642
-    assert lengths.max() <= 1.2 + 1e-9
+    assert lengths.max() <= 1.5 + 1e-9
 
 
 # --- remeshing -----------------------------------------------------------------------------------------------------
@@ -244,8 +259,9 @@ def test_remeshing_reaches_the_edge_length_and_keeps_the_surface(name: str, leng
     assert out.component_count == 1
     assert len(self_intersections(out)) == 0
     assert np.percentile(out.edge_lengths, 99) <= 1.5 * length
-    # Coarse triangles cut corners; the tube of the torus is only as wide as the longest of these edges.
-    assert out.volume == pytest.approx(surface.volume, rel=0.02 if length < 2 else 0.4)
+    # Triangles inside a round surface of radius r miss a share of the volume that grows with (h/r)².
+    radius = {"sphere": 5.0, "torus": 2.0, "cube": 4.0}[name]
+    assert out.volume == pytest.approx(surface.volume, rel=0.01 + 0.5 * (length / radius) ** 2)
 
 
 def test_remeshing_a_fine_mesh_again_does_nothing() -> None:
@@ -272,7 +288,7 @@ def test_only_active_edges_change() -> None:
     mesh = DynamicMesh(icosphere(radius=5.0, subdivisions=2), 0.5)
     points = mesh.arrays.points[:, :3]
     active = (points[:, 2] > 3.0).astype(np.int8)
-    mesh.remesh(active, rounds=3)
+    mesh.remesh(active)
     out = mesh.to_triangle_mesh()
     low = out.vertices[out.edges].max(axis=1)[:, 2] < -1.0
     assert out.edge_lengths[low].min() > 0.8
@@ -280,7 +296,7 @@ def test_only_active_edges_change() -> None:
 
 
 def test_arrays_grow_as_often_as_needed() -> None:
-    mesh = DynamicMesh(icosphere(radius=5.0, subdivisions=0), 0.3)
+    mesh = DynamicMesh(icosphere(radius=5.0, subdivisions=0), 0.5)
     slots = mesh.vertex_slots
     mesh.remesh(rounds=40)
     assert mesh.vertex_slots > 4 * slots
@@ -377,11 +393,11 @@ def test_any_order_of_single_operations_keeps_everything(seed: int) -> None:
             continue
         kind = int(rng.integers(3))
         if kind == 0:
-            done[0] += split(mesh.arrays, h) >= 0
+            done[0] += split(mesh, h) >= 0
         elif kind == 1:
-            done[1] += flip(mesh.arrays, h)
+            done[1] += flip(mesh, h)
         else:
-            done[2] += collapse(mesh.arrays, h, 100.0)
+            done[2] += collapse(mesh, h)
         assert mesh.face_count - mesh.vertex_count * 2 == -2 * (2 - 2 * surface.genus)
     assert defects(mesh) == []
     assert (done > 0).all()

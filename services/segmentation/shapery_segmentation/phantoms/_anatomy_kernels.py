@@ -234,12 +234,13 @@ def paint(affine: Array, h: float, noise: Array, step: float, table: Array, text
                         stem = brain_stem(x, y, z)
                         behind = y + 4.0 - 0.3 * z
                         if stem < h:
-                            mix(values, WHITE, share(stem, h), table)
-                            if stem > -h:
-                                values[0] += (1.0 - share(stem, h)) * (table[FLUID, 0] - values[0])
-                                values[1] += (1.0 - share(stem, h)) * (table[FLUID, 1] - values[1])
+                            mix(values, WHITE, 1.0, table)
+                            if z < -14.0 and (y > -10.0 + 0.32 * (z + 15.0) or z < -48.0):
+                                mix(values, FLUID, 1.0 - share(stem, h), table)
                         elif stem < 3.0 and z < -14.0:
-                            mix(values, FLUID, 1.0, table)
+                            # Cisterns before and below; behind are the peduncles of the cerebellum.
+                            free = y > -10.0 + 0.32 * (z + 15.0) or z < -48.0
+                            mix(values, FLUID if free else WHITE, 1.0, table)
                         elif tent < 0.0 and behind < 0.0:
                             cerebellum(x, y, z, min(deep, -tent - 1.2), h, noise, step, table, values)
                         elif behind < 0.0 or z > -44.0:
