@@ -16,9 +16,8 @@ DASHBOARD := services/dashboard
 STATIC := services/gateway/shapery_gateway/static
 PYTEST := $(BIN)/python -m pytest
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
-export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: help setup demo up test test-fast test-servers check format schema lock bench screenshots clean
+.PHONY: help setup demo up test test-fast check format schema lock bench clean
 
 help: ## show this list
 	@grep -hE '^[a-z-]+:.*## ' Makefile | sed -E 's/:.*## /\t/' | expand -t 16
@@ -53,10 +52,10 @@ up: setup ## start the platform on this machine and keep it running
 	@$(BIN)/shapery up
 
 test: setup ## run all tests
-	$(PYTEST)
+	$(PYTEST) -n 2 --dist loadfile
 
 test-fast: $(VENV)/.ready ## run the tests that need neither servers nor a browser
-	$(PYTEST) -n 2 -m "not server and not browser and not slow"
+	$(PYTEST) -n 2 --dist loadfile -m "not server and not browser and not slow"
 
 check: $(VENV)/.ready ## lint, types, layers, schema drift
 	$(BIN)/ruff check .
