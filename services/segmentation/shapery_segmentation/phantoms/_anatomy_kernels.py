@@ -219,6 +219,10 @@ def paint(affine: Array, h: float, noise: Array, step: float, table: Array, text
                 z = affine[2, 0] * i + affine[2, 1] * j + affine[2, 2] * k + affine[2, 3]
                 values[0] = table[AIR, 0]
                 values[1] = table[AIR, 1]
+                if outer_head(x, y, z) > 4.0 + h:
+                    out[i, j, k, 0] = values[0]
+                    out[i, j, k, 1] = values[1]
+                    continue
                 wall = cavity(x, y, z)
                 if wall > -h:
                     outside_brain(x, y, z, wall, h, noise, step, table, values)

@@ -24,7 +24,7 @@ NOISE_GRID, NOISE_STEP = 64, 3.0
 """The random fields: so many points along each axis, every 3 mm; the head is smaller than their 192 mm."""
 
 FINEST = 1.25
-"""mm: thicker voxels are painted in layers of at most this and averaged, as a scanner does."""
+"""mm: voxels longer than this and than their shortest edge are painted in layers and averaged, as a scanner does."""
 
 ENHANCING, CORE = 1, 2
 """Labels of the truth: rim, and what it encloses; the same as in the service's results."""
@@ -147,8 +147,8 @@ def head_phantom(
     affine = np.eye(4)
     affine[:3, :3] = directions * np.asarray(spacing)
     affine[:3, 3] = -affine[:3, :3] @ ((np.array(shape) - 1) / 2)
-    # Voxels thicker than `FINEST` are painted in layers.
-    layers = np.array([max(1, int(np.ceil(s / FINEST))) for s in spacing])
+    finest = max(FINEST, min(spacing))
+    layers = np.array([max(1, int(np.ceil(s / finest - 1e-6))) for s in spacing])
     fine = affine.copy()
     fine[:3, :3] = affine[:3, :3] / layers
     fine[:3, 3] = affine[:3, 3] - fine[:3, :3] @ ((layers - 1) / 2)
