@@ -22,11 +22,6 @@ class Embedded:
         self.url = url
         self.port = int(url.rsplit(":", 1)[1])
 
-    @property
-    def database(self) -> Path:
-        """Its SQLite file."""
-        return self.home / "shapery.db"
-
 
 @contextmanager
 def embedded_platform(home: Path, **settings: str) -> Iterator[Embedded]:

@@ -209,6 +209,20 @@ describe("UploadManager", () => {
     expect(other.manager.items.get()).toEqual([]);
   });
 
+  it("does not take up what another tab has just finished", async () => {
+    const before = setUp();
+    await before.manager.add([parcel("a")]);
+    await settle();
+    const other = setUp(before.keep);
+    for (const record of before.keep.records()) other.locks.add(record.id);
+    await other.manager.restore();
+    before.attempts[0]?.resolve("asset-1");
+    await settle();
+    other.locks.clear();
+    await vi.advanceTimersByTimeAsync(5_000);
+    expect(other.manager.items.get()).toEqual([]);
+  });
+
   it("measures its speed", async () => {
     const { manager, attempts } = setUp();
     await manager.add([parcel("a", 10_000)]);

@@ -15,6 +15,7 @@ describe("guessRoles", () => {
     [["pre.nii", "post.nii"], "post.nii", "pre.nii"],
     [["patient-T1-Gd.zip", "patient-T1.zip"], "patient-T1-Gd.zip", "patient-T1.zip"],
     [["scan.nii.gz"], "scan.nii.gz", null],
+    [["pre.nii.gz"], null, "pre.nii.gz"],
     [["flair.nii.gz", "t2.nii.gz"], null, null],
     [["postman.nii.gz", "other.nii.gz"], null, null],
   ])("%j: after %s, before %s", (names, post, pre) => {

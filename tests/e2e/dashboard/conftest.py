@@ -44,9 +44,10 @@ def api(platform: Embedded) -> Iterator[httpx.Client]:
 
 @pytest.fixture(scope="package")
 def phantom(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with a head before and after contrast, and the truth: ``pre``, ``post``, ``truth`` (``.nii.gz``)."""
+    """A folder with a head before and after contrast, and what is known of it (see `shapery_segmentation.phantoms`)."""
     folder = tmp_path_factory.mktemp("phantom")
-    subprocess.run([sys.executable, "-m", "shapery_segmentation.phantoms", folder, "--seed", "7"], check=True)
+    coarse = ["--shape", "100", "120", "100", "--spacing", "1.6", "1.6", "1.6"]  # quick to draw without a graphics card
+    subprocess.run([sys.executable, "-m", "shapery_segmentation.phantoms", folder, "--seed", "7", *coarse], check=True)
     return folder
 
 

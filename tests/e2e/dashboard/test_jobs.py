@@ -150,8 +150,10 @@ def test_pages_and_filters(open_page: OpenPage, api: httpx.Client) -> None:
     api.post(f"/v1/batches/{batch}/cancel")
     page.get_by_text("Cancelled", exact=True).first.click()
     page.wait_for_url("**/jobs?state=cancelled")
-    rows.first.wait_for()
-    states = page.locator("tr[data-job] [data-state]").evaluate_all("badges => badges.map(badge => badge.dataset.state)")
+    page.locator("[aria-busy=false] tr[data-job]").first.wait_for()
+    states = page.locator("tr[data-job] [data-state]").evaluate_all(
+        "badges => badges.map(badge => badge.dataset.state)"
+    )
     assert set(states) <= {"cancelled"}
     page.go_back()
     row_of(page, listed[0]).wait_for()

@@ -35,8 +35,8 @@ const gray: MantineColorsTuple = [
   "#d3dada",
   "#bac4c4",
   "#95a2a3",
-  "#6b797b",
-  "#505d5f",
+  "#5c696b",
+  "#4a5658",
   "#364244",
   "#1f292b",
 ];

@@ -28,7 +28,7 @@ export function JobsPage() {
   const jobs = useQuery({
     ...jobsQuery(search),
     placeholderData: keepPreviousData,
-    refetchInterval: ({ state }) => (state.data?.items.some((job) => !isTerminal(job.state)) ? 2_000 : 10_000),
+    refetchInterval: ({ state }) => (state.data?.items.some((job) => !isTerminal(job.state)) ? 2_000 : 5_000),
   });
   const items = jobs.data?.items ?? [];
   const active = items.filter((job) => !isTerminal(job.state));
@@ -86,7 +86,7 @@ export function JobsPage() {
       ) : items.length === 0 ? (
         <NoJobs filtered={search.state !== undefined} paged={search.cursor !== undefined} />
       ) : (
-        <JobTable jobs={items} assets={assets} />
+        <JobTable jobs={items} assets={assets} stale={jobs.isPlaceholderData} />
       )}
       {(search.cursor || jobs.data?.next_cursor) && (
         <Group justify="space-between" mt="md" component="nav" aria-label="Pages of jobs">
@@ -141,10 +141,17 @@ function NoJobs({ filtered, paged }: { filtered: boolean; paged: boolean }) {
   );
 }
 
-function JobTable({ jobs, assets }: { jobs: readonly Job[]; assets: ReadonlyMap<string, Asset> }) {
+interface JobTableProps {
+  jobs: readonly Job[];
+  assets: ReadonlyMap<string, Asset>;
+  /** Whether these are still those of the page or filter before. */
+  stale: boolean;
+}
+
+function JobTable({ jobs, assets, stale }: JobTableProps) {
   const now = useNow(jobs.some((job) => !isTerminal(job.state)) ? 1_000 : 30_000);
   return (
-    <Box className={classes.frame}>
+    <Box className={classes.frame} aria-busy={stale}>
       <Table highlightOnHover verticalSpacing="sm" horizontalSpacing="md" className={classes.table ?? ""}>
         <Table.Thead>
           <Table.Tr>

@@ -27,10 +27,16 @@ export function StateBadge({ state }: { state: JobState }) {
         variant="light"
         color={color}
         tt="none"
-        fw={600}
         size="md"
         leftSection={<Icon size={12} strokeWidth={2.5} aria-hidden="true" />}
         data-state={state}
+        styles={{
+          root: { background: `color-mix(in srgb, var(--mantine-color-${color}-6) 14%, var(--card))` },
+          label: {
+            color: `light-dark(color-mix(in srgb, var(--mantine-color-${color}-9) 80%, black), var(--mantine-color-${color}-2))`,
+            fontWeight: 600,
+          },
+        }}
       >
         {state}
       </Badge>

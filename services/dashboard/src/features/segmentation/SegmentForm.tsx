@@ -177,11 +177,11 @@ export function SegmentForm({ recent }: { recent: readonly string[] }) {
                   onChange={(value) => set({ edgeLength: typeof value === "number" ? value : "" })}
                 />
                 <div>
-                  <Text size="sm" fw={500} id="smoothing">
+                  <Text size="sm" fw={500}>
                     Smoothing
                   </Text>
                   <Slider
-                    aria-labelledby="smoothing"
+                    thumbLabel="Smoothing"
                     min={0}
                     max={1}
                     step={0.01}

@@ -13,7 +13,8 @@ const BEFORE = /(t1|pre|native|plain)(?![a-z])/i;
 export function guessRoles(volumes: readonly Pick<Asset, "id" | "filename">[]): Roles {
   const says = (pattern: RegExp, { filename }: Pick<Asset, "filename">) => pattern.test(filename.replace(/\..*$/, ""));
   const after = volumes.filter((volume) => says(AFTER, volume));
-  const post = after[0] ?? (volumes.length === 1 ? volumes[0] : undefined);
+  const [only, ...others] = volumes;
+  const post = after[0] ?? (only && others.length === 0 && !says(BEFORE, only) ? only : undefined);
   const pre = volumes.find((volume) => volume !== post && !says(AFTER, volume) && says(BEFORE, volume));
   return { post: post?.id ?? null, pre: pre?.id ?? null };
 }

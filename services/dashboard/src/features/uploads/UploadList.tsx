@@ -89,7 +89,7 @@ function Status({ item }: { item: UploadItem }) {
       );
     }
     case "waiting":
-      return line(`${item.error?.message ?? ""} It goes on by itself.`, "orange");
+      return line(`${item.error?.message ?? ""} It goes on by itself.`, "var(--warn)");
     case "paused":
       return line(`Paused at ${percent(item.size > 0 ? item.sent / item.size : 0)}`);
     case "needs-file":
@@ -97,7 +97,7 @@ function Status({ item }: { item: UploadItem }) {
     case "failed":
       return (
         <Text size="sm" role="alert">
-          <Text span size="sm" c="red">
+          <Text span size="sm" c="var(--bad)">
             {item.error?.message}
           </Text>{" "}
           <Text span size="sm" c="dimmed">

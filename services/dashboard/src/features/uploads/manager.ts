@@ -77,7 +77,9 @@ export class UploadManager {
       if (this.#inner.has(record.id)) continue;
       const content = await this.#dependencies.keep.content(record.id);
       const takeUp = () =>
-        this.#dependencies.exclusively(record.id, () => {
+        this.#dependencies.exclusively(record.id, async () => {
+          // Another tab may have brought it to its end in the meantime.
+          if (!this.#dependencies.keep.records().some(({ id }) => id === record.id)) return;
           this.#insert(record, content ? "queued" : "needs-file", 0);
           return this.#run(record.id);
         });

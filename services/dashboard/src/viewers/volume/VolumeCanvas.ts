@@ -29,24 +29,39 @@ export interface Source {
   content: ArrayBuffer;
 }
 
+export interface Intensities {
+  /** The darkest and the brightest. */
+  range: [number, number];
+  /** Black and white of a good first picture. */
+  window: [number, number];
+}
+
 /** What niivue tells of a place; its own type leaves the argument open. */
 interface Location {
   mm: ArrayLike<number>;
   values: { value: number }[];
 }
 
-const SLICES = {
+const TYPES = {
   axial: SLICE_TYPE.AXIAL,
   coronal: SLICE_TYPE.CORONAL,
   sagittal: SLICE_TYPE.SAGITTAL,
   render: SLICE_TYPE.RENDER,
 } as const;
 
+/** Axial large, as it is read first; the others beside it. Each: left, top, width, height. */
+const SLICES: Niivue["customLayout"] = [
+  { sliceType: SLICE_TYPE.AXIAL, position: [0, 0, 0.58, 1] },
+  { sliceType: SLICE_TYPE.CORONAL, position: [0.58, 0, 0.42, 0.5] },
+  { sliceType: SLICE_TYPE.SAGITTAL, position: [0.58, 0.5, 0.42, 0.5] },
+];
+
 /** niivue behind the few things that the page wants of it; the volume in the frame RAS mm, as everywhere. */
 export class VolumeCanvas {
   readonly canvas: HTMLCanvasElement;
   readonly #viewer: Niivue;
   #closed = false;
+  #shown: Display | null = null;
 
   constructor(parent: HTMLElement, onPlace: (place: Place) => void) {
     this.canvas = document.createElement("canvas");
@@ -79,54 +94,58 @@ export class VolumeCanvas {
     this.canvas.addEventListener("keydown", this.#key);
   }
 
-  /** Draw a volume, with labels over it where there are any. */
-  async open(image: Source, labels: Source | null): Promise<void> {
-    await this.#viewer.attachToCanvas(this.canvas);
-    const base = await NVImage.loadFromUrl({
-      url: image.name,
-      name: image.name,
-      buffer: image.content,
-      colormap: "gray",
-    });
-    if (this.#closed) return;
-    this.#viewer.addVolume(base);
-    if (labels) {
-      const overlay = await NVImage.loadFromUrl({ url: labels.name, name: labels.name, buffer: labels.content });
-      if (this.#closed) return;
+  /** Draw a volume, with labels over it where there are any; tells the window that it chose, and the intensities. */
+  async open(image: Source, labels: Source | null, display: Omit<Display, "window">): Promise<Intensities> {
+    const viewer = this.#viewer;
+    await viewer.attachToCanvas(this.canvas);
+    const [base, overlay] = await Promise.all([read(image, "gray"), labels ? read(labels) : null]);
+    const window: [number, number] = [base.robust_min ?? base.cal_min ?? 0, base.robust_max ?? base.cal_max ?? 1];
+    const range: [number, number] = [base.global_min ?? window[0], base.global_max ?? window[1]];
+    if (this.#closed) return { range, window };
+    this.#arrange(display);
+    viewer.addVolume(base);
+    if (overlay) {
       overlay.setColormapLabel(labelColors());
-      this.#viewer.addVolume(overlay);
+      overlay.opacity = display.opacity;
+      viewer.addVolume(overlay);
     }
-  }
-
-  /** Intensities from the darkest to the brightest, and those that make a good first picture. */
-  get intensities(): { range: [number, number]; robust: [number, number] } {
-    const base = this.#viewer.volumes[0];
-    return {
-      range: [base?.global_min ?? 0, base?.global_max ?? 1],
-      robust: [base?.robust_min ?? base?.cal_min ?? 0, base?.robust_max ?? base?.cal_max ?? 1],
-    };
+    this.#shown = { ...display, window };
+    return { range, window };
   }
 
   show(display: Display): void {
     const viewer = this.#viewer;
     const [base, overlay] = viewer.volumes;
-    if (!base) return;
-    viewer.opts.isRadiologicalConvention = display.radiological;
-    viewer.opts.atlasOutline = display.outline ? 1 : 0;
+    const before = this.#shown;
+    if (!base || before === display) return;
+    this.#shown = display;
+    this.#arrange(display);
+    // Colors are mixed anew for every voxel, which takes a while where the processor does it: only when they change.
+    if (
+      before?.window[0] === display.window[0] &&
+      before.window[1] === display.window[1] &&
+      before.opacity === display.opacity &&
+      before.outline === display.outline
+    ) {
+      viewer.drawScene();
+      return;
+    }
     [base.cal_min, base.cal_max] = display.window;
     if (overlay) overlay.opacity = display.opacity;
-    if (display.layout === "slices") {
-      // Axial large, as it is read first; the others beside it.
-      viewer.setCustomLayout([
-        { sliceType: SLICE_TYPE.AXIAL, position: [0, 0, 0.58, 1] },
-        { sliceType: SLICE_TYPE.CORONAL, position: [0.58, 0, 0.42, 0.5] },
-        { sliceType: SLICE_TYPE.SAGITTAL, position: [0.58, 0.5, 0.42, 0.5] },
-      ]);
-    } else {
-      viewer.clearCustomLayout();
-      viewer.setSliceType(SLICES[display.layout]);
-    }
     viewer.updateGLVolume();
+  }
+
+  #arrange({ layout, radiological, outline }: Omit<Display, "window">): void {
+    const { opts } = this.#viewer;
+    opts.isRadiologicalConvention = radiological;
+    opts.atlasOutline = outline ? 1 : 0;
+    // niivue's own setters draw at once, with half of the settings.
+    if (layout === "slices") {
+      this.#viewer.customLayout = SLICES;
+    } else {
+      this.#viewer.customLayout = [];
+      opts.sliceType = TYPES[layout];
+    }
   }
 
   /** Move the crosshair to a point given in RAS mm. */
@@ -163,6 +182,10 @@ export class VolumeCanvas {
     const [x, y, z] = step;
     this.#viewer.moveCrosshairInVox(this.#viewer.opts.isRadiologicalConvention ? -x : x, y, z);
   };
+}
+
+function read({ name, content }: Source, colormap = ""): Promise<NVImage> {
+  return NVImage.loadFromUrl({ url: name, name, buffer: content, colormap });
 }
 
 function placeOf({ mm, values }: Location): Place {

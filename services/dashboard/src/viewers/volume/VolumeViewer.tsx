@@ -44,6 +44,8 @@ export function VolumeViewer({ image, labels, focus }: VolumeViewerProps) {
     radiological: true,
     window: [0, 1],
   });
+  const initial = useRef(display);
+  initial.current = display;
   const change = (part: Partial<Display>) => setDisplay((before) => ({ ...before, ...part }));
 
   // biome-ignore lint/correctness/useExhaustiveDependencies: files are told apart by address; `attempt` asks for another try
@@ -67,14 +69,14 @@ export function VolumeViewer({ image, labels, focus }: VolumeViewerProps) {
         controller.signal,
       );
       setStatus({ is: "loading", fraction: 1, what: "Drawing…" });
-      await canvas.open(
+      const { range: whole, window } = await canvas.open(
         { name: image.name, content },
         labels && overlay ? { name: labels.name, content: await overlay } : null,
+        initial.current,
       );
       if (controller.signal.aborted) return;
-      const { range: whole, robust } = canvas.intensities;
       setRange(whole);
-      setDisplay((before) => ({ ...before, window: robust }));
+      setDisplay((before) => ({ ...before, window }));
       viewer.current = canvas;
       setStatus({ is: "ready" });
     };

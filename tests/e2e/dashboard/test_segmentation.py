@@ -1,0 +1,238 @@
+"""The main walk from the user's side: two files dropped, a tumor seen; and that what is drawn is where it belongs."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import httpx
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from shapery_geometry.volume import Volume
+from shapery_geometry.volume_io import read_volume
+from tests.e2e.dashboard.conftest import OpenPage
+from tests.support.browser import Watch, picture
+
+pytestmark = [pytest.mark.server, pytest.mark.browser, pytest.mark.slow]
+
+WORK = 240_000
+"""Milliseconds that a segmentation may take when every kernel is compiled first, on a machine that is busy."""
+
+
+@pytest.fixture(scope="module")
+def segmented(chrome: Any, api: httpx.Client, phantom: Path) -> dict[str, Any]:
+    """The job of a segmentation that was started in the browser: uploaded, chosen, watched over a reload."""
+    page = chrome.new_context(viewport={"width": 1280, "height": 720}).new_page()
+    page.set_default_timeout(WORK)
+    watch = Watch(page)
+    page.goto(f"{str(api.base_url).rstrip('/')}/upload")
+    page.get_by_test_id("files").set_input_files([phantom / "pre.nii.gz", phantom / "post.nii.gz"])
+    for name in ("pre.nii.gz", "post.nii.gz"):
+        page.locator("li[data-state=done]", has_text=name).get_by_text("NIfTI").wait_for()
+    # the names tell which is which
+    wait_for_value(page, "After contrast", "post.nii.gz")
+    wait_for_value(page, "Before contrast", "pre.nii.gz")
+    page.get_by_role("button", name="Segment", exact=True).click()
+    page.wait_for_url("**/jobs/*")
+    job_id = page.url.rsplit("/", 1)[1]
+    page.get_by_role("listitem").filter(has_text="Calibrate").wait_for()
+    page.reload()
+    page.locator("[data-state=succeeded], [data-state=failed], [data-state=crashed]").first.wait_for()
+    job = api.get(f"/v1/jobs/{job_id}").json()
+    assert job["state"] == "succeeded", job["error"]
+    wait_for_pictures(page)
+    assert watch.unexpected == []
+    page.context.close()
+    return dict(job)
+
+
+@pytest.fixture
+def labels(segmented: dict[str, Any], api: httpx.Client, tmp_path: Path) -> Volume:
+    path = tmp_path / "labels.nii.gz"
+    path.write_bytes(api.get(f"/v1/jobs/{segmented['id']}/artifacts/labels.nii.gz").content)
+    return read_volume(path)
+
+
+def wait_for_pictures(page: Any) -> None:
+    for name in ("Volume", "Surface"):
+        page.locator(f"section[aria-label={name}][data-status=ready]").wait_for()
+    page.wait_for_timeout(500)
+
+
+def wait_for_value(page: Any, label: str, value: str) -> None:
+    field = page.get_by_role("combobox", name=re.compile(label))
+    field.wait_for()
+    page.wait_for_function("([field, value]) => field.value === value", arg=[field.element_handle(), value])
+
+
+def tumor_colored(pixels: NDArray[np.uint8]) -> NDArray[np.bool_]:
+    """Where pixels have a hue that gray slices have not: the orange of label 1, the blue of label 2."""
+    red, green, blue = (pixels[..., channel].astype(int) for channel in range(3))
+    orange = (red > blue + 40) & (red > green + 12) & (green > blue)
+    azure = (blue > red + 35) & (blue > green + 10)
+    return orange | azure
+
+
+def box(mask: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """First and last row and column of what is set, ignoring single pixels: ((top, bottom), (left, right))."""
+    edges = []
+    for axis in (1, 0):
+        along = np.flatnonzero(mask.sum(axis=axis) > 2)
+        edges.append((along[0], along[-1] + 1))
+    return np.array(edges, dtype=float)
+
+
+def test_finds_what_is_there(segmented: dict[str, Any], phantom: Path) -> None:
+    truth = json.loads((phantom / "truth.json").read_text())
+    (tumor,) = truth["tumors"]
+    found = segmented["result"]["objects"][0]
+    assert np.linalg.norm(np.subtract(found["centroid"], tumor["center"])) < 5
+    assert found["core_volume_mm3"] == pytest.approx(tumor["core_mm3"], rel=0.25)
+
+
+def test_labels_lie_over_the_tumor(open_page: OpenPage, segmented: dict[str, Any], labels: Volume) -> None:
+    """The colored pixels of each slice lie where the labels do, and the keyboard moves the crosshair."""
+    page = open_page(f"/jobs/{segmented['id']}")
+    wait_for_pictures(page)
+    centroid = segmented["result"]["objects"][0]["centroid"]
+    np.testing.assert_allclose(crosshair(page), centroid, atol=0.06)
+    for view, across, up in (("Axial", 0, 1), ("Coronal", 0, 2), ("Sagittal", 1, 2)):
+        page.get_by_text(view, exact=True).click()
+        page.wait_for_timeout(1000)
+        check_slice(picture(page.get_by_test_id("volume")), labels, centroid, across, up)
+
+    page.get_by_test_id("volume").focus()
+    page.keyboard.press("ArrowRight")  # from between the voxels to the next one's center
+    for key, step in {"ArrowRight": (-1, 0, 0), "ArrowUp": (0, 1, 0), "PageDown": (0, 0, -1)}.items():
+        before = np.array(crosshair(page))
+        page.keyboard.press(key)
+        page.wait_for_timeout(300)
+        np.testing.assert_allclose(np.array(crosshair(page)) - before, np.array(step) * labels.spacing, atol=0.11)
+
+
+def crosshair(page: Any) -> list[float]:
+    """Where the crosshair is, RAS mm, as the page tells it."""
+    signs = {"R": 1, "L": -1, "A": 1, "P": -1, "S": 1, "I": -1}
+    found = re.findall(r"([RLAPSI])\s(\d+\.\d)", page.get_by_test_id("place").text_content())
+    return [signs[side] * float(value) for side, value in found]
+
+
+def check_slice(pixels: NDArray[np.uint8], labels: Volume, point: list[float], across: int, up: int) -> None:
+    """Compare colored pixels with the labels of the slice through `point`, the patient's left on the right."""
+    # The phantom's axes are R, A and S with one spacing, so the slice fills the canvas at one scale.
+    assert np.array_equal(labels.affine[:3, :3], np.eye(3) * labels.spacing[0])
+    through = 3 - across - up
+    index = round(labels.to_index(point)[through])
+    there = np.nonzero(np.take(labels.data, index, axis=through))
+    (height, width), extent = pixels.shape[:2], np.array(labels.shape)[[across, up]]
+    scale = min(width / extent[0], height / extent[1])
+    towards_right = -1 if across == 0 else 1
+    ends = [extent[0] / 2 - there[0].min(), extent[0] / 2 - there[0].max() - 1]
+    sides = sorted(width / 2 - towards_right * scale * np.array(ends))
+    levels = [height / 2 + scale * (extent[1] / 2 - level) for level in (there[1].max() + 1, there[1].min())]
+    drawn = tumor_colored(pixels)
+    # The crosshair hides a little: a voxel at the tip, a line through the middle.
+    np.testing.assert_allclose(box(drawn), [levels, sides], atol=1.2 * scale)
+    assert drawn.sum() == pytest.approx(there[0].size * scale**2, rel=0.25)
+
+
+def test_the_surface_is_drawn_as_it_is(open_page: OpenPage, segmented: dict[str, Any], api: httpx.Client) -> None:
+    """Its silhouette is that of the mesh, seen from the front, a little from the right and above."""
+    page = open_page(f"/jobs/{segmented['id']}")
+    wait_for_pictures(page)
+    canvas = page.get_by_test_id("surface")
+    pixels = picture(canvas)
+    height, width = pixels.shape[:2]
+    points = np.concatenate(
+        [
+            vertices_of(api.get(f"/v1/jobs/{segmented['id']}/artifacts/{found['surface']}").content)
+            for found in segmented["result"]["objects"]
+        ]
+    )
+    low, high = points.min(axis=0), points.max(axis=0)
+    towards = np.array([0.45, 1.0, 0.4]) / np.linalg.norm([0.45, 1.0, 0.4])
+    half = np.radians(16)
+    distance = 1.1 * np.linalg.norm(high - low) / 2 / np.sin(half) / min(1, width / height)
+    right = np.cross(-towards, [0, 0, 1])
+    right /= np.linalg.norm(right)
+    above = np.cross(right, -towards)
+    seen = points - (low + high) / 2
+    depth = (distance - seen @ towards) * np.tan(half)
+    columns = width / 2 + seen @ right / depth * height / 2
+    rows = height / 2 - seen @ above / depth * height / 2
+    expected = [[rows.min(), rows.max()], [columns.min(), columns.max()]]
+    lit = tumor_colored(pixels)
+    np.testing.assert_allclose(box(lit), expected, atol=8)
+
+    canvas.focus()
+    for _ in range(6):
+        page.keyboard.press("ArrowLeft")
+    page.wait_for_timeout(500)
+    turned = tumor_colored(picture(canvas))
+    assert (turned != lit).sum() > 0.1 * lit.sum()
+    page.keyboard.press("Home")
+    page.wait_for_timeout(500)
+    assert (tumor_colored(picture(canvas)) != lit).sum() < 0.02 * lit.sum()
+
+
+def vertices_of(ply: bytes) -> NDArray[np.float64]:
+    header, _, data = ply.partition(b"end_header\n")
+    assert b"format binary_little_endian" in header
+    assert re.findall(rb"property (\w+) [xyz]\n", header) == [b"double"] * 3
+    count = int(re.search(rb"element vertex (\d+)", header)[1])  # type: ignore[index]
+    return np.frombuffer(data, dtype="<f8", count=3 * count).reshape(-1, 3)
+
+
+def test_shows_what_was_measured_and_gives_the_files(
+    open_page: OpenPage, segmented: dict[str, Any], api: httpx.Client
+) -> None:
+    page = open_page(f"/jobs/{segmented['id']}")
+    objects = segmented["result"]["objects"]
+    rows = page.get_by_role("row").filter(has=page.get_by_role("button", name=re.compile("^Object")))
+    rows.first.wait_for()
+    assert rows.count() == len(objects)
+    text = rows.first.text_content().replace("\u00a0", " ").replace("\u202f", " ")
+    assert f"{objects[0]['core_volume_mm3'] / 1000:.3g} cm³" in text
+    assert f"{objects[0]['faces']:,} faces, closed".replace(",", " ", 1) in text
+    page.get_by_text("results kept until").wait_for()
+    with page.expect_download() as coming:
+        page.get_by_role("link", name="report.json").click()
+    report = json.loads(Path(coming.value.path()).read_text())
+    assert report["objects"] == objects
+    page.get_by_role("link", name="Segment again").click()
+    page.wait_for_url("**/upload?*")
+    wait_for_value(page, "After contrast", "post.nii.gz")
+
+
+def test_says_that_it_cannot_draw_without_webgl(open_page: OpenPage, segmented: dict[str, Any]) -> None:
+    page = open_page(
+        f"/jobs/{segmented['id']}",
+        before=lambda page: page.add_init_script(
+            "const get = HTMLCanvasElement.prototype.getContext;"
+            "HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {"
+            "  return kind.startsWith('webgl') ? null : get.call(this, kind, ...rest); }"
+        ),
+    )
+    page.get_by_role("alert").get_by_text("This browser cannot draw volumes").wait_for()
+    page.get_by_role("link", name="labels.nii.gz").wait_for()
+    page.get_by_role("button", name="Object 1").wait_for()
+
+
+def test_a_file_that_cannot_be_fetched_is_told_and_fetched_again(
+    open_page: OpenPage, segmented: dict[str, Any]
+) -> None:
+    def refuse(page: Any) -> None:
+        page.watch.allowed.append("net::ERR")
+        page.route("**/artifacts/surfaces/**", lambda route: route.abort())
+
+    page = open_page(f"/jobs/{segmented['id']}", before=refuse)
+    told = page.locator("section[aria-label=Surface]").get_by_role("alert")
+    told.get_by_text("The server does not answer").wait_for()
+    page.unroute("**/artifacts/surfaces/**")
+    told.get_by_role("button", name="Draw it again").click()
+    wait_for_pictures(page)
+    assert tumor_colored(picture(page.get_by_test_id("surface"))).mean() > 0.01
