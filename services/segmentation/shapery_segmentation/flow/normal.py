@@ -70,9 +70,9 @@ NOTHING_LEFT = 2.0
 """Cubes of the edge length that a surface must enclose to count as being there; a ball of this volume has a radius of
 0.8 edge lengths."""
 
-LARGEST_WISHES = 8
-"""Rounds per stage in which blocked vertices get finer triangles or collapse: where both alternate, they would go on
-for ever."""
+LARGEST_REFINEMENTS, LARGEST_RETREATS = 8, 50
+"""Rounds per stage in which frozen vertices get finer triangles, and in which they collapse: the triangles that one
+makes the other may take away, for ever. A retreat takes about half an edge length off a thin piece."""
 
 THIN = 0.3
 """Compactness (1 for an equilateral triangle) below which a face makes its vertices irregular."""
@@ -130,9 +130,9 @@ def normal_flow(
     if not np.isfinite(threshold):
         raise ValueError(f"the threshold must be finite, not {threshold}")
     if field.ndim != 3 or (allowed is not None and allowed.shape != field.shape):
-        shape = "" if allowed is None else f" and {allowed.shape}"
+        other = "" if allowed is None else f", the region allowed has {allowed.shape}"
         raise InvalidInput(
-            "invalid_volume", f"Field and allowed region must share three dimensions, not {field.shape}{shape}."
+            "invalid_volume", f"The field has the shape {field.shape}{other}: three equal sizes are due."
         )
     evolution = _Evolution(field, allowed, check_affine(affine), seed, p, threshold)
     for stage in range(len(p.edge_lengths)):
@@ -243,7 +243,7 @@ class _Evolution:
         self._make_room()
         self._stale = True
         self._stirred = False
-        self._wishes = 0
+        self._refinements = self._retreats = 0
 
     def _step(self, length: float) -> int:
         """Move all vertices once; return how many are awake then."""
@@ -269,14 +269,21 @@ class _Evolution:
         """Answer what blocked vertices wish for, mend the triangles around what moves, and see what is left."""
         mesh = self.mesh
         active = (self._counter[:, kernels.MODE] == kernels.AWAKE).astype(np.int8)
-        self._stirred = False
-        if self._wishes < LARGEST_WISHES:
-            dials = self._dials(length)
-            self._stirred = kernels.answer_wishes(mesh.arrays, self._state, self._counter, dials, self._collapse) > 0
-            self._wishes += self._stirred
-        if self._stirred:
+        refined, collapsing = kernels.answer_wishes(
+            mesh.arrays,
+            self._state,
+            self._counter,
+            self._dials(length),
+            self._refinements < LARGEST_REFINEMENTS,
+            self._retreats < LARGEST_RETREATS,
+            self._collapse,
+        )
+        self._refinements += refined > 0
+        self._retreats += collapsing > 0
+        self._stirred = refined + collapsing > 0
+        if refined:
             np.maximum(active, self._counter[:, kernels.MODE] == kernels.AWAKE, out=active)
-        mesh.remesh(active, unwanted=self._collapse if self._stirred else None)
+        mesh.remesh(active, unwanted=self._collapse if collapsing else None)
         self._make_room()
         kernels.adopt_touched(mesh.arrays, self._state, self._counter)
         self._stale = True
@@ -320,6 +327,7 @@ class _Evolution:
             front=float(p.front_gap),
             rear=float(p.rear_gap),
             opposed=float(p.opposed),
+            rear_opposed=float(p.rear_opposed),
             aging=p.aging_limit,
             patience=p.patience,
             window=p.window,

@@ -41,8 +41,9 @@ class NormalFlowParams:
         The gradient is measured in units of this percentile of itself around the seed.
     front_gap, rear_gap
         Edge lengths within which another part of the surface stops a vertex, ahead of it and behind it.
-    opposed
-        Product of the normals below which a part of the surface is another part.
+    opposed, rear_opposed
+        Product of the normals below which a part of the surface is another part, ahead and behind. Behind a vertex at
+        the rim of something thin lie the sides of its own part, across its way; they must not hold it.
     patience
         Iterations in a row that a vertex may be kept from moving before it is frozen.
     least_scale
@@ -72,10 +73,11 @@ class NormalFlowParams:
     threshold_interval: int = 10
     balloon: float = 0.3
     gradient_sigma: float = 1.0
-    gradient_percentile: float = 90.0
+    gradient_percentile: float = 98.0
     front_gap: float = 1.0
     rear_gap: float = 0.6
     opposed: float = 0.4
+    rear_opposed: float = -0.3
     patience: int = 6
     least_scale: float = 0.5
     aging_limit: int = 6
@@ -102,6 +104,7 @@ class NormalFlowParams:
             ("front_gap", 0.0, 3.0),
             ("rear_gap", 0.0, 3.0),
             ("opposed", -1.0, 1.0),
+            ("rear_opposed", -1.0, 1.0),
             ("least_scale", 0.1, 1.0),
             ("awake_share", 0.0, 1.0),
             ("gradient_percentile", 0.0, 100.0),

@@ -21,6 +21,7 @@ from shapery_segmentation.mesh._operation_kernels import (
 )
 from shapery_segmentation.mesh.arrays import (
     AREA,
+    CREATED,
     FACE_TOP,
     NORMAL,
     ORIGIN,
@@ -29,10 +30,6 @@ from shapery_segmentation.mesh.arrays import (
     TOUCHED,
     TWIN,
 )
-
-DELAUNAY_SLACK = 0.05
-"""An edge is flipped where the cotangents of the angles opposite sum to less than minus this: no endless flipping of
-four points on a circle."""
 
 
 @inner
@@ -46,20 +43,20 @@ def _longest_of_face(m, h):
 
 
 @njit(cache=True, nogil=True)
-def split_pass(m, start, length, ratio, active):
+def split_pass(m, start, stop, length, ratio, active):
     """Split edges that are longer than their target and the longest of one of their faces.
 
     Parameters
     ----------
     m : MeshArrays
-    start : int
-        Half-edge to begin with.
+    start, stop : int
+        Half-edges to look at, and those that come to be on the way.
     length : float
         Target edge length in mm where ``scale`` is 1; elsewhere the lesser of its ends' scales times this.
     ratio : float
         Multiple of the target above which an edge is split.
     active : (V,) int8
-        An edge is looked at where this is set at one of its ends or either end was created in this pass.
+        An edge is looked at where this is set at one of its ends, or one was created since that was last forgotten.
 
     Returns
     -------
@@ -70,11 +67,11 @@ def split_pass(m, start, length, ratio, active):
     """
     done = 0
     h = start
-    while h < 3 * m.layout[FACE_TOP]:
+    while h < min(stop, 3 * m.layout[FACE_TOP]):
         t = twin(m, h)
         if t > h:
             u, v = origin(m, h), origin(m, t)
-            if active[u] or active[v] or m.vertices[u, TOUCHED] or m.vertices[v, TOUCHED]:
+            if active[u] or active[v] or m.vertices[u, TOUCHED] == CREATED or m.vertices[v, TOUCHED] == CREATED:
                 limit = ratio * length * min(m.points[u, SCALE], m.points[v, SCALE])
                 if squared_length(m, u, v) > limit * limit and (_longest_of_face(m, h) or _longest_of_face(m, t)):
                     if not room_for_split(m):
@@ -99,14 +96,14 @@ def _shortest_of_vertex(m, h):
 
 
 @njit(cache=True, nogil=True)
-def collapse_pass(m, length, ratio, longest, active, unwanted):
+def collapse_pass(m, start, stop, length, ratio, longest, active, unwanted):
     """Collapse edges that are shorter than `ratio` times their target, and vertices of three short edges.
 
     Parameters
     ----------
     m : MeshArrays
-    length, ratio, active
-        As in `split_pass`.
+    start, stop, length, ratio, active
+        As in `split_pass`; also edges are looked at whose ends an operation touched.
     longest : float
         Multiple of the target that no new edge may exceed.
     unwanted : (V,) int8
@@ -118,7 +115,7 @@ def collapse_pass(m, length, ratio, longest, active, unwanted):
         Edges collapsed.
     """
     done = 0
-    for h in range(3 * m.layout[FACE_TOP]):
+    for h in range(start, min(stop, 3 * m.layout[FACE_TOP])):
         t = twin(m, h)
         if t < 0:
             continue
@@ -152,10 +149,19 @@ def _cotangent(m, w, u, v):
 
 
 @njit(cache=True, nogil=True)
-def flip_pass(m, active):
-    """Flip edges that do not satisfy the Delaunay condition; return how many were flipped."""
+def flip_pass(m, start, stop, slack, active):
+    """Flip edges that do not satisfy the Delaunay condition; return how many were flipped.
+
+    Parameters
+    ----------
+    m : MeshArrays
+    start, stop, active
+        As in `collapse_pass`.
+    slack : float
+        An edge is flipped where the cotangents of the two angles opposite sum to less than minus this.
+    """
     done = 0
-    for h in range(3 * m.layout[FACE_TOP]):
+    for h in range(start, min(stop, 3 * m.layout[FACE_TOP])):
         t = twin(m, h)
         if t <= h:
             continue
@@ -163,7 +169,7 @@ def flip_pass(m, active):
         if not (active[u] or active[v] or m.vertices[u, TOUCHED] or m.vertices[v, TOUCHED]):
             continue
         a, b = origin(m, preceding(h)), origin(m, preceding(t))
-        if _cotangent(m, a, u, v) + _cotangent(m, b, u, v) < -DELAUNAY_SLACK and flip_edge(m, h):
+        if _cotangent(m, a, u, v) + _cotangent(m, b, u, v) < -slack and flip_edge(m, h):
             done += 1
     return done
 

@@ -39,6 +39,12 @@ SPLIT_RATIO = 1.4
 COLLAPSE_RATIO = 0.6
 """An edge shorter than this multiple of its target is collapsed."""
 
+DELAUNAY_SLACK = 0.05
+"""How much an edge must fail the Delaunay condition to be flipped: no endless flipping of four points on a circle."""
+
+ALL = 1 << 62
+"""More half-edges than there can be."""
+
 COARSENING = 1.7
 """A mesh that is much too fine gets coarser by at most about this factor in one round: evenly, and the grid follows."""
 
@@ -276,7 +282,7 @@ class DynamicMesh:
             done = RemeshCount(
                 splits=self._split(chosen),
                 collapses=self._collapse(chosen, unwanted),
-                flips=int(passes.flip_pass(self.arrays, self._fitting(chosen))),
+                flips=int(passes.flip_pass(self.arrays, 0, ALL, DELAUNAY_SLACK, self._fitting(chosen))),
             )
             total.splits += done.splits
             total.collapses += done.collapses
@@ -327,7 +333,7 @@ class DynamicMesh:
     def _split(self, active: NDArray[np.int8]) -> int:
         done, at = 0, 0
         while True:
-            more, at = passes.split_pass(self.arrays, at, self.edge_length, SPLIT_RATIO, self._fitting(active))
+            more, at = passes.split_pass(self.arrays, at, ALL, self.edge_length, SPLIT_RATIO, self._fitting(active))
             done += int(more)
             if at < 0:
                 return done
@@ -339,6 +345,8 @@ class DynamicMesh:
         return int(
             passes.collapse_pass(
                 self.arrays,
+                0,
+                ALL,
                 length,
                 COLLAPSE_RATIO,
                 LONGEST_RATIO,

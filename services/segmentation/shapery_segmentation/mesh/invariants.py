@@ -71,17 +71,15 @@ def defects(mesh: DynamicMesh) -> list[str]:
         found.append("vertices in use and vertices of faces differ")
     if not np.array_equal(origin[out[used]], used):
         found.append("an outgoing half-edge starts elsewhere")
-    faces_at = np.bincount(start, minlength=vertices)
-    for v in used.tolist():
-        h, n = int(out[v]), 0
-        while n <= faces_at[v]:
-            n += 1
-            h = int(twins[h + 2 if h % 3 == 0 else h - 1])
-            if h == out[v]:
-                break
-        if n != faces_at[v]:
-            found.append(f"vertex {v} has {faces_at[v]} faces, {n} of them in one fan")
-            break
+    # All vertices turn around their fans at once; those that are back wait.
+    at, count = out[used].astype(np.int64), np.ones(len(used), dtype=np.int64)
+    turning = np.ones(len(used), dtype=np.bool_)
+    while turning.any() and count.max() <= len(start):
+        at = np.where(turning, twins[np.where(at % 3 == 0, at + 2, at - 1)], at)
+        turning &= at != out[used]
+        count += turning
+    if not np.array_equal(count, np.bincount(start, minlength=vertices)[used]):
+        found.append("the faces of a vertex form more than one fan")
 
     p = m.points[corners[live], :3]
     center = p.mean(axis=1)
