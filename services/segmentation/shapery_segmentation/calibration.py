@@ -14,6 +14,7 @@ from scipy import ndimage
 
 from shapery_contracts.errors import InvalidInput
 from shapery_geometry.volume import Volume
+from shapery_segmentation.blocks import block_mean
 from shapery_segmentation.brain import Brain
 
 FloatArray = NDArray[np.float32]
@@ -31,6 +32,13 @@ TRIM = 2.5
 
 SAMPLES = 200_000
 """Voxels the fit is made from; more change its third digit."""
+
+TISSUE_PERCENTILE = 65.0
+"""Without a volume before contrast: percentile of the brain that counts as zero. It lies in the brighter of the two
+normal tissues, which would otherwise enhance."""
+
+EVENING_SCALE = 25.0
+"""mm: standard deviation of the Gaussian that follows the coil's brightness, but no tumor."""
 
 MAD_TO_SIGMA = 1.4826
 """Median absolute deviation of a normal distribution to its standard deviation."""
@@ -82,12 +90,15 @@ def calibrate(brain: Brain, post: Volume, pre: Volume | None) -> Calibration:
     -----
     With a trimmed least-squares fit of slope a over the brain,
     U = G₀.₆ ∗ [(post − 0.65·a·pre − median) / (1.4826·MAD)], median and MAD over the brain.
-    Without `pre`, a = 0: U then also carries the contrast between normal tissues.
+    Without `pre`, a = 0 and the median gives way to the 65th percentile, after `post` was divided by its own local
+    brightness: U then also carries the contrast between normal tissues.
     """
     after = brain.grid.sample(post)
     before = brain.grid.sample(pre) if pre is not None else None
     known = np.isfinite(after) if before is None else np.isfinite(after) & np.isfinite(before)
     mask = brain.mask & known
+    if before is None:
+        after = evened(after, mask, brain.grid.spacing)
     inner = ndimage.binary_erosion(mask, iterations=2)
     stride = max(1, int(np.count_nonzero(inner)) // SAMPLES)
     chosen = np.flatnonzero(inner)[::stride]
@@ -106,6 +117,8 @@ def calibrate(brain: Brain, post: Volume, pre: Volume | None) -> Calibration:
     residual = y if before is None else y - share * before.ravel()[chosen]
     middle = float(np.median(residual))
     noise = MAD_TO_SIGMA * float(np.median(np.abs(residual - middle)))
+    if before is None:
+        middle = float(np.percentile(residual, TISSUE_PERCENTILE))
     if not noise > 0:
         raise InvalidInput(
             "invalid_volume",
@@ -129,6 +142,38 @@ def calibrate(brain: Brain, post: Volume, pre: Volume | None) -> Calibration:
         # After contrast a tumor is bright itself: that says nothing about its tissue.
         np.minimum(normal, 0.0, out=normal)
     return Calibration(field, normal, slope, offset, noise, before is not None)
+
+
+def evened(image: FloatArray, mask: BoolArray, spacing: float) -> FloatArray:
+    """Return `image` divided by its local brightness: the coil's sensitivity taken out; 1 is usual tissue.
+
+    Parameters
+    ----------
+    image : (I, J, K) float32
+        Finite where `mask` is.
+    mask : (I, J, K) bool
+        The brain. Outside, the result is 0.
+    spacing
+        Edge of a voxel in mm.
+    """
+    values = np.where(mask, image, 0.0).astype(np.float32)
+    usual = float(np.median(values[mask])) if mask.any() else 0.0
+    if not usual > 0:
+        return values
+    factor = max(1, round(4.0 / spacing))
+    # What enhances is cut off, or a tumor would raise its own surroundings.
+    light = block_mean(np.minimum(values, np.float32(1.3 * usual)), factor)
+    weight = block_mean(mask.astype(np.float32), factor)
+    sigma = EVENING_SCALE / (factor * spacing)
+    local = ndimage.gaussian_filter(light, sigma) / np.maximum(ndimage.gaussian_filter(weight, sigma), 1e-3)
+    # Between the blocks linearly: steps of the division would be edges.
+    place = [(np.arange(n) - (factor - 1) / 2) / factor for n in image.shape]
+    for axis, where in enumerate(place):
+        low = np.clip(np.floor(where).astype(int), 0, max(local.shape[axis] - 2, 0))
+        high = np.minimum(low + 1, local.shape[axis] - 1)
+        part = np.clip(where - low, 0.0, 1.0).astype(np.float32).reshape([-1 if a == axis else 1 for a in range(3)])
+        local = np.take(local, low, axis=axis) * (1 - part) + np.take(local, high, axis=axis) * part
+    return np.where(mask, values / np.maximum(local, np.float32(0.1 * usual)), np.float32(0.0))
 
 
 def trimmed_fit(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[float, float]:

@@ -8,7 +8,7 @@ import pytest
 from shapery_contracts.errors import InvalidInput
 from shapery_geometry.volume import Volume
 from shapery_segmentation.brain import Brain, find_brain
-from shapery_segmentation.calibration import calibrate, trimmed_fit
+from shapery_segmentation.calibration import calibrate, evened, trimmed_fit
 from shapery_segmentation.phantoms import HeadPhantom
 from shapery_segmentation.preparation import working_grid
 
@@ -26,6 +26,21 @@ def test_trimmed_fit_ignores_what_enhances() -> None:
 
 def test_trimmed_fit_of_a_constant_has_no_slope() -> None:
     assert trimmed_fit(np.full(500, 3.0), np.arange(500.0)) == (0.0, pytest.approx(249.5))
+
+
+def test_evening_takes_out_the_coil_and_leaves_the_tissue() -> None:
+    index = np.stack(np.meshgrid(*(np.arange(70),) * 3, indexing="ij"), axis=-1)
+    mask = np.linalg.norm(index - 34.5, axis=-1) < 33
+    tissue = np.where((index // 7).sum(axis=-1) % 2, 100.0, 80.0)
+    tissue[np.linalg.norm(index - (34, 34, 50), axis=-1) < 6] = 200.0
+    coil = np.exp((index[..., 0] - 34.5) / 70.0)
+    even = evened((tissue * coil).astype(np.float32), mask, 2.2)
+    plain = evened(tissue.astype(np.float32), mask, 2.2)
+    assert not even[~mask].any()
+    # The coil makes a factor of 2.6 from side to side; a part of it remains near the edge.
+    ratio = even[mask] / plain[mask]
+    assert np.percentile(ratio, 95) / np.percentile(ratio, 5) < 1.35
+    assert np.median(even[34, 34, 48:53]) / np.median(even[mask]) == pytest.approx(200 / 90, rel=0.1)
 
 
 def test_field_does_not_depend_on_either_scale(head: HeadPhantom) -> None:

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from shapery_contracts.errors import InvalidInput
+from shapery_segmentation.blocks import block_mean, spread
 from shapery_segmentation.brain import Brain, find_brain
 from shapery_segmentation.calibration import Calibration, calibrate
 from shapery_segmentation.phantoms import HeadPhantom
 from shapery_segmentation.seeding import _octree_kernels as octree_kernels
 from shapery_segmentation.seeding.candidates import find_candidates
-from shapery_segmentation.seeding.evidence import block_mean, evidence, spread
+from shapery_segmentation.seeding.evidence import evidence
 from shapery_segmentation.seeding.octree import search_octree
 from shapery_segmentation.seeding.points import candidates_from_points, check_points
 from shapery_segmentation.seeding.symmetry import SymmetryPlane, find_symmetry

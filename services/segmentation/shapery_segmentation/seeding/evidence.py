@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from shapery_segmentation.blocks import block_mean, spread
 from shapery_segmentation.seeding import _symmetry_kernels as kernels
 from shapery_segmentation.seeding.symmetry import SymmetryPlane
 
@@ -73,24 +74,6 @@ def evidence(
     weight = _step(asymmetry, ASYMMETRY) * _step(dark, TISSUE) * _step(depth, DEPTH)
     weight[~inside] = 0.0
     return spread(weight.astype(np.float32), factor, field.shape)
-
-
-def block_mean(values: FloatArray, factor: int) -> FloatArray:
-    """Return means over cubes of `factor` voxels; a rest at the far end is repeated to fill its cubes."""
-    if factor == 1:
-        return values
-    pad = [(0, -n % factor) for n in values.shape]
-    full = np.pad(values, pad, mode="edge")
-    a, b, c = (n // factor for n in full.shape)
-    mean = full.reshape(a, factor, b, factor, c, factor).mean(axis=(1, 3, 5), dtype=np.float32)
-    return np.ascontiguousarray(mean, dtype=np.float32)
-
-
-def spread(values: FloatArray, factor: int, shape: tuple[int, ...]) -> FloatArray:
-    """Return `values` of cubes at each of their voxels, cut to `shape`."""
-    for axis in range(3):
-        values = np.repeat(values, factor, axis=axis)
-    return np.ascontiguousarray(values[: shape[0], : shape[1], : shape[2]])
 
 
 def _step(values: NDArray[np.floating], step: tuple[float, float]) -> NDArray[np.floating]:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from shapery_segmentation.blocks import block_mean
 from shapery_segmentation.seeding import _symmetry_kernels as kernels
 
 COARSE_STEP = 6.0
@@ -68,9 +69,9 @@ def find_symmetry(image: NDArray[np.float32], mask: NDArray[np.bool_], spacing: 
     best = -2.0
     for step in (COARSE_STEP, FINE_STEP):
         factor = max(1, round(step / spacing))
-        coarse = _block_mean(values, factor)
+        coarse = block_mean(values, factor)
         size = factor * spacing
-        weight = (_block_mean(mask.astype(np.float32), factor) > 0.5).astype(np.float32)
+        weight = (block_mean(mask.astype(np.float32), factor) > 0.5).astype(np.float32)
         centre = np.array(ndimage.center_of_mass(weight)) * size
         if plane is None:
             grid = np.deg2rad(np.arange(ANGLES[0], ANGLES[1] + 1e-6, ANGLES[2]))
@@ -146,11 +147,3 @@ def _descend(
                         best, chosen, moved = value, plane, True
         shift, turn = shift / 2, turn / 2
     return best, chosen
-
-
-def _block_mean(values: NDArray[np.float32], factor: int) -> NDArray[np.float32]:
-    shape = [max(n // factor, 1) for n in values.shape]
-    (a, b, c), f = shape, [min(factor, n) for n in values.shape]
-    cut = values[: a * f[0], : b * f[1], : c * f[2]]
-    mean = cut.reshape(a, f[0], b, f[1], c, f[2]).mean(axis=(1, 3, 5), dtype=np.float32)
-    return np.ascontiguousarray(mean, dtype=np.float32)
