@@ -76,7 +76,7 @@ lock: $(VENV)/.locked ## resolve the locked versions anew (UPGRADE=1 takes newer
 	deploy/lock.sh $(BIN)/uv $(if $(UPGRADE),--upgrade)
 
 bench: setup ## measure: segmentation on real cases and phantoms, upload memory
-	$(BIN)/python -m benchmarks.segmentation_first
+	$(BIN)/python -m benchmarks.segmentation
 	$(BIN)/python -m benchmarks.upload_memory
 
 clean: ## remove what set-up and builds made

@@ -1,0 +1,1 @@
+"""Measurements beside peers, and the counterparts of the dissertation's tables."""
