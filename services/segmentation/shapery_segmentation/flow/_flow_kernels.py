@@ -5,13 +5,13 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from shapery_segmentation.mesh._cells_kernels import gather
-from shapery_segmentation.mesh._contact_kernels import dot, inner, subtract
+from shapery_segmentation.mesh._contact_kernels import dot, subtract
 from shapery_segmentation.mesh._grid_kernels import corners, normal, point
 from shapery_segmentation.mesh._operation_kernels import compactness, following, origin, preceding, twin
 from shapery_segmentation.mesh.arrays import AREA, CREATED, OUT, RELINKED, SCALE, TOUCHED, UNTOUCHED, VERTEX_TOP
+from shapery_segmentation.mesh.compiled import inner, kernel
 
 # Columns of the vertices' state (float64).
 NET = 0  # way along the normal since the window began, mm
@@ -176,7 +176,7 @@ def _wake(state, counter, v):
         state[v, NET] = 0.0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def wake_all(m, state, counter):
     """Wake every vertex, those stopped for their age too: what they rested on has changed."""
     for v in range(m.layout[VERTEX_TOP]):
@@ -188,7 +188,7 @@ def wake_all(m, state, counter):
             state[v, GAIN] = 1.0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def adopt_touched(m, state, counter):
     """Begin anew at vertices that an operation created, wake those whose neighbours it changed; forget its marks."""
     for v in range(m.layout[VERTEX_TOP]):
@@ -257,7 +257,7 @@ def _place_of_rest(state, v, here, speed, field, inverse, allowed, inverse_allow
     return place
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def propose(
     m, start, spheres, names, state, counter, field, inverse, allowed, inverse_allowed, dials, target, movers
 ):  # fmt: skip
@@ -361,7 +361,7 @@ def propose(
     return count
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def settle(m, state, counter, moved, batch, movers, dials):
     """Let vertices sleep that got nowhere in a window of steps, and wake the neighbours of those that did.
 
@@ -405,7 +405,7 @@ def settle(m, state, counter, moved, batch, movers, dials):
     return awake
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def answer_wishes(m, state, counter, dials, may_refine, may_collapse, collapse):
     """Give finer triangles to frozen vertices that guard a small feature, and name those that should collapse.
 
@@ -453,7 +453,7 @@ def answer_wishes(m, state, counter, dials, may_refine, may_collapse, collapse):
     return refined, collapsing
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def irregular_vertices(m, counter, least, target, movers):
     """Find vertices on the move with a face thinner than `least`, and where smoothing would put them.
 

@@ -8,10 +8,9 @@ same cell costs a comparison and nothing else. Its size follows the region that 
 # mypy: allow-untyped-defs, allow-untyped-calls
 
 import numpy as np
-from numba import njit
 
-from shapery_segmentation.mesh._contact_kernels import inner
 from shapery_segmentation.mesh.arrays import FACE_TOP, INVERSE_CELL, LARGEST_RADIUS, MASK, ORIGIN, RADIUS, SHIFT
+from shapery_segmentation.mesh.compiled import inner, kernel
 
 
 @inner
@@ -50,7 +49,7 @@ def sort_faces(m, start, spheres, names):
                 spheres[at, k] = facets[f, k]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def sort_into_cells(m, start, spheres, names):
     """Sort the faces in use by cell (a counting sort).
 

@@ -11,13 +11,8 @@ Points are tuples (x, y, z) and triangles tuples of three points, which live in 
 # mypy: allow-untyped-defs, allow-untyped-calls
 
 import numpy as np
-from numba import njit
 
-inner = njit(nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False)
-"""For functions that only kernels call; without the wrappers they compile in half the time, and without counting
-references they run in half. They must not allocate."""
-
-inlined = njit(nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False, forceinline=True)
+from shapery_segmentation.mesh.compiled import inner
 
 FOLD_SINE = 1e-3
 """Two faces over one edge are folded onto each other where the sine of the angle between them is below this."""

@@ -7,9 +7,8 @@ far away in the same cell costs a distance test and nothing else. Its size follo
 # mypy: allow-untyped-defs, allow-untyped-calls
 
 import numpy as np
-from numba import njit
 
-from shapery_segmentation.mesh._contact_kernels import dot, inlined, inner, subtract, touching
+from shapery_segmentation.mesh._contact_kernels import dot, subtract, touching
 from shapery_segmentation.mesh.arrays import (
     AFTER,
     AREA,
@@ -27,6 +26,7 @@ from shapery_segmentation.mesh.arrays import (
     SHIFT,
     SKIP,
 )
+from shapery_segmentation.mesh.compiled import inlined, inner, kernel
 
 SINGLE = 1.2e-7
 """Relative rounding error of a float32, with a margin."""
@@ -121,7 +121,7 @@ def link_face(m, f):
     m.head[cell] = f
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def measure_all(m):
     """Measure all faces."""
     for f in range(m.layout[FACE_TOP]):
@@ -129,7 +129,7 @@ def measure_all(m):
             measure_face(m, f)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def build_grid(m):
     """Put all faces into the grid, whose cells the caller has sized and emptied."""
     m.bound[LARGEST_RADIUS] = 0.0

@@ -6,13 +6,13 @@ Two faces that share a vertex are checked through the star of that vertex, all o
 # mypy: allow-untyped-defs, allow-untyped-calls
 
 import numpy as np
-from numba import njit
 
 from shapery_segmentation.mesh._cells_kernels import gather, sort_faces
-from shapery_segmentation.mesh._contact_kernels import cross, dot, inlined, inner, subtract, touching
+from shapery_segmentation.mesh._contact_kernels import cross, dot, subtract, touching
 from shapery_segmentation.mesh._grid_kernels import corners, measure_face, normal, point
 from shapery_segmentation.mesh._operation_kernels import compactness, following, origin, preceding, twin
 from shapery_segmentation.mesh.arrays import AREA, CLEARANCE, FACE_TOP, NORMAL, ORIGIN, OUT, STAMP
+from shapery_segmentation.mesh.compiled import inlined, inner, kernel
 
 LEAST_TURN = 0.2
 """Least product of the normals of a face before and after one move."""
@@ -163,7 +163,7 @@ def _mend_star(m, v, batch, state, old, queue, size):
             return size
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def move_vertices(m, start, spheres, names, movers, target, old, state, batch):
     """Move vertices to their targets, except where a face would turn over, degenerate or touch another.
 
@@ -281,7 +281,7 @@ def _first_stamped(m, first, batch):
     return h
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def count_contacts(m, start, spheres, names):
     """Return how many faces touch a face with a higher number: every pair is tested, no star is taken for sound."""
     found = np.empty(m.links.shape[0], dtype=np.int32)

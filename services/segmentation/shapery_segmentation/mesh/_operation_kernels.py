@@ -9,7 +9,7 @@ anything is changed.
 
 import numpy as np
 
-from shapery_segmentation.mesh._contact_kernels import cross, dot, inner, subtract
+from shapery_segmentation.mesh._contact_kernels import cross, dot, subtract
 from shapery_segmentation.mesh._grid_kernels import (
     corners,
     link_face,
@@ -38,6 +38,7 @@ from shapery_segmentation.mesh.arrays import (
     VERTEX_COUNT,
     VERTEX_TOP,
 )
+from shapery_segmentation.mesh.compiled import inner
 
 LEAST_TURN = 0.3
 """Least product of the unit normals of a face and of what replaces it."""

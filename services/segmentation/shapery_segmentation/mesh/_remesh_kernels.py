@@ -3,9 +3,8 @@
 # mypy: allow-untyped-defs, allow-untyped-calls
 
 import numpy as np
-from numba import njit
 
-from shapery_segmentation.mesh._contact_kernels import cross, dot, inner, subtract
+from shapery_segmentation.mesh._contact_kernels import cross, dot, subtract
 from shapery_segmentation.mesh._grid_kernels import point
 from shapery_segmentation.mesh._operation_kernels import (
     collapse_edge,
@@ -30,6 +29,7 @@ from shapery_segmentation.mesh.arrays import (
     TOUCHED,
     TWIN,
 )
+from shapery_segmentation.mesh.compiled import inner, kernel
 
 
 @inner
@@ -42,7 +42,7 @@ def _longest_of_face(m, h):
     )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def split_pass(m, start, stop, length, ratio, active):
     """Split edges that are longer than their target and the longest of one of their faces.
 
@@ -95,7 +95,7 @@ def _shortest_of_vertex(m, h):
     return True
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def collapse_pass(m, start, stop, length, ratio, longest, active, unwanted):
     """Collapse edges that are shorter than `ratio` times their target, and vertices of three short edges.
 
@@ -148,7 +148,7 @@ def _cotangent(m, w, u, v):
     return cosine / max(sine, 1e-12 * (abs(cosine) + 1e-300))
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def flip_pass(m, start, stop, slack, active):
     """Flip edges that do not satisfy the Delaunay condition; return how many were flipped.
 
@@ -219,7 +219,7 @@ def umbrella(m, v, d):
     d[2] = z / n - m.points[v, 2]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def signed_volume(m):
     """Return the enclosed volume, positive where the faces look outwards."""
     total = 0.0
@@ -235,7 +235,7 @@ def signed_volume(m):
     return total / 3.0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def link_twins(m, vertices, faces):
     """Find the twin of every half-edge, and one half-edge that leaves every vertex, from the origins.
 
