@@ -77,7 +77,7 @@ def read(data: bytes) -> str:
         refusal = error
     if refusal is not None:
         # a sentence
-        assert refusal.message[0].isupper()
+        assert refusal.message[0].isupper() or refusal.message[0].isdigit()
         assert refusal.message[-1] in ".)"
         return refusal.code
     assert mesh is not None

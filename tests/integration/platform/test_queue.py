@@ -66,11 +66,13 @@ def test_a_message_is_json_and_names_the_job(redis: RedisServer, settings: Setti
 def test_lengths_count_every_priority_and_nothing_else(
     redis: RedisServer, settings: Settings, celery: queue.Celery
 ) -> None:
-    assert queue.queue_lengths(settings) == {"segmentation": 0, "retrieval": 0, "motion": 0}
+    # kinds that another test registered have queues too, and nothing in them
+    assert set(queue.queue_lengths(settings).values()) == {0}
     for priority in (None, 0, 3, 6, 9):
         celery.send_task(queue.TASK_NAME, args=[str(new_id())], queue="segmentation", priority=priority)
     queue.send(celery, [(new_id(), "motion")])
-    assert queue.queue_lengths(settings) == {"segmentation": 5, "retrieval": 0, "motion": 1}
+    waiting = {service: length for service, length in queue.queue_lengths(settings).items() if length}
+    assert waiting == {"segmentation": 5, "motion": 1}
     # what a worker holds does not wait
     with celery.connection_for_read() as connection:
         channel = connection.default_channel
