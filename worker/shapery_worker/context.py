@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from shapery_contracts.errors import JobCancelled
-from shapery_contracts.handler import ShapeBank
+from shapery_contracts.retrieval import ShapeBank
 from shapery_worker.board import Board, Progress
 
 

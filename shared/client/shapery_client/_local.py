@@ -11,8 +11,9 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from shapery_contracts.errors import InvalidInput, Unavailable
-from shapery_contracts.handler import AnyHandler, ShapeBank
+from shapery_contracts.handler import AnyHandler
 from shapery_contracts.kinds import get_kind
+from shapery_contracts.retrieval import ShapeBank
 
 Report = Callable[[str, float, str], None]
 """Called with the stage, the fraction done in [0, 1], and a message."""

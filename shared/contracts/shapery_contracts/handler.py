@@ -6,11 +6,13 @@ database nor the queue; the same handler runs in a worker and in ``shapery segme
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, ClassVar, Protocol, TypeVar
 
 from pydantic import BaseModel
+
+from shapery_contracts.retrieval import ShapeBank
 
 P_contra = TypeVar("P_contra", bound=BaseModel, contravariant=True)
 R_co = TypeVar("R_co", bound=BaseModel, covariant=True)
@@ -73,16 +75,6 @@ class JobHandler(Protocol[P_contra, R_co]):
         Exception
             Anything else is ours: the job is tried again and then becomes ``crashed``.
         """
-
-
-class ShapeBank(Protocol):
-    """What a search reads of the shape database."""
-
-    def candidates(self, vector: Sequence[float], limit: int) -> Sequence[tuple[str, float]]:
-        """Return ids and distances of the `limit` shapes nearest to `vector`."""
-
-    def args(self, ids: Iterable[str]) -> Mapping[str, bytes]:
-        """Return the serialised attributed relational graphs of shapes by id."""
 
 
 AnyHandler = JobHandler[Any, Any]

@@ -9,6 +9,7 @@ from pydantic import BaseModel
 
 from shapery_contracts.errors import InvalidInput
 from shapery_contracts.formats import AssetKind
+from shapery_contracts.retrieval import ShapeIndexParams, ShapeIndexResult, ShapeSearchParams, ShapeSearchResult
 from shapery_contracts.segmentation import SegmentationParams, SegmentationResult
 
 
@@ -86,5 +87,35 @@ register_kind(
         result=SegmentationResult,
         time_limit=1800.0,
         stages=("read", "calibrate", "seed", "evolve", "label", "write"),
+    )
+)
+
+_MESH = frozenset({AssetKind.MESH})
+
+register_kind(
+    JobKind(
+        name="shape-index",
+        service="retrieval",
+        summary="Describe a mesh by its attributed relational graph, so that it can be found by example.",
+        inputs={"mesh": InputSpec(_MESH, "The mesh: OBJ, PLY, STL, OFF or GLB.")},
+        params=ShapeIndexParams,
+        result=ShapeIndexResult,
+        time_limit=300.0,
+        memory_limit=4 << 30,
+        stages=("read", "normalise", "describe", "decompose", "views", "write"),
+    )
+)
+
+register_kind(
+    JobKind(
+        name="shape-search",
+        service="retrieval",
+        summary="Find the shapes of the bank that resemble a mesh, a region of it, or a stored shape.",
+        inputs={"mesh": InputSpec(_MESH, "The mesh to query by, where no stored shape is named.", required=False)},
+        params=ShapeSearchParams,
+        result=ShapeSearchResult,
+        time_limit=300.0,
+        memory_limit=4 << 30,
+        stages=("read", "index", "candidates", "match", "write"),
     )
 )
