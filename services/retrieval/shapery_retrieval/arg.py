@@ -26,7 +26,13 @@ MAX_BYTES = 1 << 20
 MAX_PARTS, MAX_LEVELS, MAX_ARRAYS = 256, 16, 64
 
 _HEADER = struct.Struct("<8sHHIII")
-_DTYPES = {0: np.dtype("<f4"), 1: np.dtype("<f2"), 2: np.dtype("<i4"), 3: np.dtype("u1"), 4: np.dtype("<u2")}
+_DTYPES: dict[int, np.dtype[Any]] = {
+    0: np.dtype("<f4"),
+    1: np.dtype("<f2"),
+    2: np.dtype("<i4"),
+    3: np.dtype("u1"),
+    4: np.dtype("<u2"),
+}
 _CODES = {dtype: code for code, dtype in _DTYPES.items()}
 
 
