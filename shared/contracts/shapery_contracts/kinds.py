@@ -9,6 +9,7 @@ from pydantic import BaseModel
 
 from shapery_contracts.errors import InvalidInput
 from shapery_contracts.formats import AssetKind
+from shapery_contracts.motion import MotionDecodeParams, MotionDecodeResult, MotionEncodeParams, MotionEncodeResult
 from shapery_contracts.retrieval import ShapeIndexParams, ShapeIndexResult, ShapeSearchParams, ShapeSearchResult
 from shapery_contracts.segmentation import SegmentationParams, SegmentationResult
 
@@ -117,5 +118,36 @@ register_kind(
         time_limit=300.0,
         memory_limit=4 << 30,
         stages=("read", "index", "candidates", "match", "write"),
+    )
+)
+
+register_kind(
+    JobKind(
+        name="motion-encode",
+        service="motion",
+        summary="Compress a mesh sequence into a motion file whose decoded error stays within a bound.",
+        inputs={
+            "sequence": InputSpec(
+                frozenset({AssetKind.SEQUENCE, AssetKind.MESH}),
+                "An npz file, a zip of meshes, or the meshes of the frames in the natural order of their names.",
+                many=True,
+            )
+        },
+        params=MotionEncodeParams,
+        result=MotionEncodeResult,
+        time_limit=7200.0,
+        stages=("read", "encode", "verify", "write"),
+    )
+)
+
+register_kind(
+    JobKind(
+        name="motion-decode",
+        service="motion",
+        summary="Turn a motion file into frames: npz, a zip of meshes, or an animated glTF scene.",
+        inputs={"motion": InputSpec(frozenset({AssetKind.MOTION}), "A motion file (smc).")},
+        params=MotionDecodeParams,
+        result=MotionDecodeResult,
+        stages=("read", "decode", "write"),
     )
 )
