@@ -1,0 +1,1 @@
+"""The codec of the dissertation: clusters of deformation gradients, glued by a Poisson system (section 5.4)."""
