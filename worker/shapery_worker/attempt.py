@@ -25,7 +25,7 @@ from shapery_contracts.errors import ShaperyError, Unavailable, UserError
 from shapery_contracts.handler import AnyHandler
 from shapery_contracts.kinds import get_kind
 from shapery_contracts.states import JobState
-from shapery_platform import dispatch, jobs
+from shapery_platform import dispatch, jobs, publication
 from shapery_platform.db import Database
 from shapery_platform.jobs import ClaimedJob
 from shapery_platform.settings import Settings
@@ -254,14 +254,15 @@ class Attempt:
     def _finish(self, outcome: Outcome, output: Path, go_on: Callable[[], None]) -> JobState | None:
         match outcome:
             case Succeeded(result=result):
+                job = self._job
+                shape = publication.read_shape(job, result, output)
                 try:
                     artifacts = store_output(self._runtime.store, output, go_on, self._runtime.worker_settings.patience)
                 except Unavailable:
                     raise
                 except UserError as error:  # the store is full
                     return self._fail(error.code, error.message, error.hint)
-                job = self._job
-                done = self._end(lambda session: jobs.succeed(session, job.job_id, job.lease, result, artifacts))
+                done = self._end(lambda session: publication.succeed(session, job, result, artifacts, shape))
                 return JobState.SUCCEEDED if done else self._stop()
             case Failed(code=code, message=message, hint=hint):
                 return self._fail(code, message, hint)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Annotated, Literal, NamedTuple, Protocol
+from typing import Annotated, Any, Literal, NamedTuple, Protocol
+from uuid import UUID
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -14,17 +15,33 @@ with those of the version asked for, and a new version means indexing the stored
 VECTOR_DIMENSION = 256
 """Length of the vector by which candidates are found; nearness is its Euclidean distance."""
 
+DEFAULT_COLLECTION = "default"
+
 Labels = dict[Annotated[str, Field(min_length=1, max_length=64)], Annotated[str, Field(max_length=256)]]
+CollectionName = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^\S(.*\S)?$")]
+ShapeName = Annotated[str, Field(max_length=255)]
 Region = Annotated[list[Annotated[int, Field(ge=0)]], Field(min_length=1, max_length=5_000_000)]
 
 
 class ShapeIndexParams(BaseModel):
-    """How to index one mesh. What is compared later has no settings, so that all shapes of a bank are comparable."""
+    """How to index one mesh, and where the bank shall keep it.
+
+    What is compared later has no settings, so that all shapes of a bank are comparable.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     preview_size: Annotated[int, Field(ge=32, le=1024)] = 256
     """Side of the preview picture in pixels."""
+    collection: CollectionName = DEFAULT_COLLECTION
+    """Name of the collection that the shape shall belong to; it is made where there is none of this name."""
+    name: ShapeName = ""
+    """What the shape is called; by default like the file, without its extension."""
+    labels: Labels = {}
+    metadata: dict[str, Any] = {}
+    """Anything that shall be kept with the shape."""
+    replaces: UUID | None = None
+    """A shape of the bank to index again: it keeps its id, name, collection, labels and metadata."""
 
 
 class MeshChange(BaseModel):

@@ -10,6 +10,7 @@ from typing import Any
 from uuid import UUID
 
 from sqlalchemy import (
+    DDL,
     JSON,
     BigInteger,
     CheckConstraint,
@@ -18,17 +19,20 @@ from sqlalchemy import (
     ForeignKey,
     Index,
     Integer,
+    LargeBinary,
     MetaData,
     String,
     Text,
     UniqueConstraint,
     Uuid,
+    event,
     text,
 )
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column, relationship
 
+from shapery_contracts.retrieval import VECTOR_DIMENSION
 from shapery_contracts.states import JobState
-from shapery_platform.db.types import UtcDateTime, new_id, utc_now
+from shapery_platform.db.types import UtcDateTime, Vector, new_id, utc_now
 
 LIVE_STATES = (JobState.QUEUED, JobState.RUNNING, JobState.CANCELLING)
 """A job in one of these may still read its inputs."""
@@ -288,6 +292,109 @@ class JobEvent(Base):
     at: Mapped[datetime] = mapped_column(default=utc_now)
 
 
+class Collection(Base):
+    """Shapes of an owner that belong together."""
+
+    __tablename__ = "collections"
+    __table_args__ = (UniqueConstraint("owner", "name"), Index(None, "owner", "id"))
+
+    id: Mapped[UUID] = mapped_column(primary_key=True, default=new_id)
+    owner: Mapped[str] = mapped_column(String(64))
+    name: Mapped[str] = mapped_column(String(200))
+    description: Mapped[str] = mapped_column(Text, default="")
+    details: Mapped[dict[str, Any]] = mapped_column("metadata", default=dict)
+    created_at: Mapped[datetime] = mapped_column(default=utc_now)
+
+
+class Bank(Base):
+    """How often the shapes of an owner have changed, so that whoever keeps them in memory knows what to read anew.
+
+    Its row is locked by whoever changes shapes, before anything else: revisions are committed in their order.
+    """
+
+    __tablename__ = "banks"
+
+    owner: Mapped[str] = mapped_column(String(64), primary_key=True)
+    revision: Mapped[int] = mapped_column(BigInteger)
+    """Number of the last change; each shape has that of its own last one."""
+    removals: Mapped[int] = mapped_column(BigInteger)
+    """How often shapes were taken away."""
+
+
+class Shape(Base):
+    """An indexed mesh."""
+
+    __tablename__ = "shapes"
+    __table_args__ = (
+        Index(None, "owner", "id"),
+        Index(None, "owner", "revision"),
+        Index(None, "collection_id", "id"),
+        UniqueConstraint("job_id"),
+        Index(
+            "ix_shapes_vector",
+            "vector",
+            postgresql_using="hnsw",
+            postgresql_ops={"vector": "halfvec_l2_ops"},
+        ).ddl_if(dialect="postgresql"),
+    )
+
+    id: Mapped[UUID] = mapped_column(primary_key=True, default=new_id)
+    owner: Mapped[str] = mapped_column(String(64))
+    collection_id: Mapped[UUID] = mapped_column(ForeignKey("collections.id"))
+    asset_id: Mapped[UUID] = mapped_column(ForeignKey("assets.id"), index=True)
+    """The mesh as it was uploaded; it may have been deleted since."""
+    job_id: Mapped[UUID] = mapped_column(ForeignKey("jobs.id"))
+    """What indexed it last. Unique: a job gives one shape, however often it is tried."""
+    name: Mapped[str] = mapped_column(String(255))
+    details: Mapped[dict[str, Any]] = mapped_column("metadata", default=dict)
+    index_version: Mapped[int] = mapped_column(Integer)
+    revision: Mapped[int] = mapped_column(BigInteger)
+    """The bank's, when it changed last."""
+    vector: Mapped[bytes] = mapped_column(Vector(VECTOR_DIMENSION), deferred=True)
+    report: Mapped[dict[str, Any]]
+    """What indexing told of the mesh."""
+    arg_sha256: Mapped[str] = mapped_column(String(64))
+    arg_size: Mapped[int] = mapped_column(Integer)
+    created_at: Mapped[datetime] = mapped_column(default=utc_now)
+    indexed_at: Mapped[datetime] = mapped_column(default=utc_now)
+
+    collection: Mapped[Collection] = relationship(lazy="joined", innerjoin=True, viewonly=True)
+    labels: Mapped[list[ShapeLabel]] = relationship(lazy="selectin", order_by="ShapeLabel.name", viewonly=True)
+
+
+class ShapeGraph(Base):
+    """The attributed relational graph of a shape. Apart from the shape, so that lists do not read over it."""
+
+    __tablename__ = "shape_graphs"
+
+    shape_id: Mapped[UUID] = mapped_column(ForeignKey("shapes.id", ondelete="CASCADE"), primary_key=True)
+    data: Mapped[bytes] = mapped_column(LargeBinary)
+
+
+class ShapeFile(Base):
+    """A file of a shape for viewers: its web mesh, its picture, its parts."""
+
+    __tablename__ = "shape_files"
+    __table_args__ = (Index(None, "sha256"),)
+
+    shape_id: Mapped[UUID] = mapped_column(ForeignKey("shapes.id", ondelete="CASCADE"), primary_key=True)
+    name: Mapped[str] = mapped_column(String(64), primary_key=True)
+    sha256: Mapped[str] = mapped_column(ForeignKey("blobs.sha256"))
+    size: Mapped[int] = mapped_column(BigInteger)
+    media_type: Mapped[str] = mapped_column(String(127))
+
+
+class ShapeLabel(Base):
+    """One label of a shape, by which lists and searches are narrowed."""
+
+    __tablename__ = "shape_labels"
+    __table_args__ = (Index(None, "name", "value", "shape_id"),)
+
+    shape_id: Mapped[UUID] = mapped_column(ForeignKey("shapes.id", ondelete="CASCADE"), primary_key=True)
+    name: Mapped[str] = mapped_column(String(64), primary_key=True)
+    value: Mapped[str] = mapped_column(String(256))
+
+
 class Worker(Base):
     """A worker process that announced itself."""
 
@@ -300,3 +407,11 @@ class Worker(Base):
     pid: Mapped[int] = mapped_column(Integer)
     started_at: Mapped[datetime] = mapped_column(default=utc_now)
     seen_at: Mapped[datetime] = mapped_column(default=utc_now, index=True)
+
+
+# Before the tables: the type of a column is the extension's.
+event.listen(
+    Base.metadata,
+    "before_create",
+    DDL("CREATE EXTENSION IF NOT EXISTS vector").execute_if(dialect="postgresql"),  # type: ignore[no-untyped-call]
+)

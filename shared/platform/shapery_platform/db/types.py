@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import os
+import sys
 import threading
 import time
+from array import array
+from collections.abc import Callable, Iterable
 from datetime import UTC, datetime
 from typing import Any
 from uuid import UUID
 
-from sqlalchemy import DateTime, Dialect, TypeDecorator
+from sqlalchemy import DateTime, Dialect, LargeBinary, TypeDecorator
+from sqlalchemy.dialects.postgresql.base import ischema_names
+from sqlalchemy.types import TypeEngine, UserDefinedType
 from typing_extensions import override
 
 _lock = threading.Lock()
@@ -58,3 +63,60 @@ class UtcDateTime(TypeDecorator[datetime]):
         if value.tzinfo is None:
             return value.replace(tzinfo=UTC)  # type: ignore[no-any-return]
         return value.astimezone(UTC)  # type: ignore[no-any-return]
+
+
+class HalfVector(UserDefinedType[bytes]):
+    """``halfvec`` of the extension pgvector: numbers of 16 bits, up to 65,504 in size."""
+
+    cache_ok = True
+
+    def __init__(self, dimension: int | None = None) -> None:
+        self.dimension = None if dimension is None else int(dimension)
+
+    @override
+    def get_col_spec(self, **_: Any) -> str:
+        return "HALFVEC" if self.dimension is None else f"HALFVEC({self.dimension})"
+
+    @override
+    def bind_processor(self, dialect: Dialect) -> Callable[[bytes | None], str | None]:
+        return lambda value: None if value is None else str(unpack_vector(value))
+
+    @override
+    def result_processor(self, dialect: Dialect, coltype: object) -> Callable[[str | None], bytes | None]:
+        return lambda value: None if value is None else pack_vector(float(x) for x in value.strip("[]").split(","))
+
+
+ischema_names["halfvec"] = HalfVector  # so that the type is known when tables are read back
+
+
+class Vector(TypeDecorator[bytes]):
+    """A vector, in Python its 32-bit numbers as bytes: in SQLite those very bytes, in PostgreSQL pgvector's type."""
+
+    impl = LargeBinary
+    cache_ok = True
+
+    def __init__(self, dimension: int) -> None:
+        super().__init__()
+        self.dimension = dimension
+
+    @override
+    def load_dialect_impl(self, dialect: Dialect) -> TypeEngine[Any]:
+        if dialect.name == "postgresql":
+            return dialect.type_descriptor(HalfVector(self.dimension))
+        return dialect.type_descriptor(LargeBinary())
+
+
+def pack_vector(numbers: Iterable[float]) -> bytes:
+    """Return numbers as they are kept: 32-bit floats, the lowest byte first."""
+    packed = array("f", numbers)
+    if sys.byteorder == "big":
+        packed.byteswap()
+    return packed.tobytes()
+
+
+def unpack_vector(data: bytes) -> list[float]:
+    """Return the numbers that `pack_vector` packed."""
+    packed = array("f", data)
+    if sys.byteorder == "big":
+        packed.byteswap()
+    return packed.tolist()

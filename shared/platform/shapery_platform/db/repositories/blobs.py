@@ -10,7 +10,7 @@ from sqlalchemy import exists, func, literal, select, update
 from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session
 
-from shapery_platform.db.models import LIVE_STATES, Asset, Blob, Job, JobArtifact, JobInput
+from shapery_platform.db.models import LIVE_STATES, Asset, Blob, Job, JobArtifact, JobInput, ShapeFile
 from shapery_platform.db.types import UtcDateTime
 
 
@@ -61,12 +61,13 @@ def lock_due(session: Session, sha256: str, now: datetime) -> Blob | None:
 
 
 def is_kept(session: Session, sha256: str) -> bool:
-    """Tell whether an asset that is not deleted, or an artifact, refers to the blob."""
+    """Tell whether an asset that is not deleted, an artifact, or a shape refers to the blob."""
     return bool(
         session.scalar(
             select(
                 exists().where(Asset.sha256 == sha256, Asset.deleted_at.is_(None))
                 | exists().where(JobArtifact.sha256 == sha256)
+                | exists().where(ShapeFile.sha256 == sha256)
             )
         )
     )
