@@ -42,7 +42,7 @@ $(VENV)/.ready: $(VENV)/.locked $(MEMBERS:%=%/pyproject.toml)
 
 # The dashboard is built by the system's Node.js if that is recent enough, else by one from the Python registry.
 $(STATIC)/.built: $(shell find $(DASHBOARD) -type f -not -path '*/node_modules/*' -not -path '*/dist/*' 2>/dev/null) | $(VENV)/.locked
-	@deploy/build_dashboard.sh $(BIN)/python
+	@deploy/dashboard.sh $(BIN)/python build
 	@touch $@
 
 demo: setup ## run the main job end to end on the embedded platform (ONCE=1 exits afterwards; VOLUME_PRE=, VOLUME_POST= for real files)
@@ -52,12 +52,15 @@ up: setup ## start the platform on this machine and keep it running
 	@$(BIN)/shapery up
 
 test: setup ## run all tests
+	@deploy/dashboard.sh $(BIN)/python test
 	$(PYTEST) -n 2 --dist loadfile
 
 test-fast: $(VENV)/.ready ## run the tests that need neither servers nor a browser
+	@deploy/dashboard.sh $(BIN)/python test
 	$(PYTEST) -n 2 --dist loadfile -m "not server and not browser and not slow"
 
 check: $(VENV)/.ready ## lint, types, layers, schema drift
+	@deploy/dashboard.sh $(BIN)/python check
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
@@ -67,9 +70,11 @@ check: $(VENV)/.ready ## lint, types, layers, schema drift
 format: $(VENV)/.ready ## mend what the linter can mend
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
+	@deploy/dashboard.sh $(BIN)/python format
 
 schema: $(VENV)/.ready ## write api_schema/ anew
 	$(BIN)/python -m shapery_gateway.schema
+	@deploy/dashboard.sh $(BIN)/python api
 
 lock: $(VENV)/.locked ## resolve the locked versions anew (UPGRADE=1 takes newer ones)
 	$(BIN)/python -m pip install --quiet uv

@@ -16,43 +16,37 @@ import { theme } from "@/app/theme";
 import { uploads } from "@/features/uploads/uploads";
 
 const client = new QueryClient({
-	defaultOptions: {
-		queries: {
-			// The server may well be on this machine: whether there is an internet says nothing about it.
-			networkMode: "always",
-			staleTime: 2_000,
-			retry: (failures, error) =>
-				failures < 2 &&
-				(error instanceof Unreachable ||
-					(error instanceof ApiError && error.status >= 500)),
-			retryDelay: 700,
-		},
-		mutations: { networkMode: "always" },
-	},
+  defaultOptions: {
+    queries: {
+      // The server may well be on this machine: whether there is an internet says nothing about it.
+      networkMode: "always",
+      staleTime: 2_000,
+      retry: (failures, error) =>
+        failures < 2 && (error instanceof Unreachable || (error instanceof ApiError && error.status >= 500)),
+      retryDelay: 700,
+    },
+    mutations: { networkMode: "always" },
+  },
 });
 
 // While the server is silent one small question is asked again and again; its first answer refreshes everything.
 setInterval(() => {
-	if (connection.get() === "down")
-		void client
-			.fetchQuery({ ...infoQuery, staleTime: 0, retry: false })
-			.catch(() => null);
+  if (connection.get() === "down") void client.query({ ...infoQuery, staleTime: 0, retry: false }).catch(() => null);
 }, 3_000);
 connection.subscribe(() => {
-	if (connection.get() === "up") void client.invalidateQueries();
+  if (connection.get() === "up") void client.invalidateQueries();
 });
 
-uploads.onDone = () =>
-	void client.invalidateQueries({ queryKey: keys.assetLists });
+uploads.onDone = () => void client.invalidateQueries({ queryKey: keys.assetLists });
 void uploads.restore();
 
 createRoot(document.getElementById("root") as HTMLElement).render(
-	<StrictMode>
-		<MantineProvider theme={theme} defaultColorScheme="auto">
-			<Notifications position="bottom-right" limit={3} />
-			<QueryClientProvider client={client}>
-				<RouterProvider router={router} />
-			</QueryClientProvider>
-		</MantineProvider>
-	</StrictMode>,
+  <StrictMode>
+    <MantineProvider theme={theme} defaultColorScheme="auto">
+      <Notifications position="bottom-right" limit={3} />
+      <QueryClientProvider client={client}>
+        <RouterProvider router={router} />
+      </QueryClientProvider>
+    </MantineProvider>
+  </StrictMode>,
 );

@@ -6,121 +6,98 @@ import { parseSeeds } from "@/features/segmentation/params";
 import { guessRoles } from "@/features/segmentation/roles";
 import { LABELS, rgb } from "@/viewers/labels";
 
-const volumes = (...names: string[]) =>
-	names.map((filename) => ({ id: filename, filename }));
+const volumes = (...names: string[]) => names.map((filename) => ({ id: filename, filename }));
 
 describe("guessRoles", () => {
-	it.each([
-		[["t1.nii.gz", "t1c.nii.gz"], "t1c.nii.gz", "t1.nii.gz"],
-		[
-			["BraTS_t1ce.nii.gz", "BraTS_t1.nii.gz"],
-			"BraTS_t1ce.nii.gz",
-			"BraTS_t1.nii.gz",
-		],
-		[["pre.nii", "post.nii"], "post.nii", "pre.nii"],
-		[
-			["patient-T1-Gd.zip", "patient-T1.zip"],
-			"patient-T1-Gd.zip",
-			"patient-T1.zip",
-		],
-		[["scan.nii.gz"], "scan.nii.gz", null],
-		[["pre.nii.gz"], null, "pre.nii.gz"],
-		[["flair.nii.gz", "t2.nii.gz"], null, null],
-		[["postman.nii.gz", "other.nii.gz"], null, null],
-	])("%j: after %s, before %s", (names, post, pre) => {
-		expect(guessRoles(volumes(...names))).toEqual({ post, pre });
-		expect(guessRoles(volumes(...names).reverse())).toEqual({ post, pre });
-	});
+  it.each([
+    [["t1.nii.gz", "t1c.nii.gz"], "t1c.nii.gz", "t1.nii.gz"],
+    [["BraTS_t1ce.nii.gz", "BraTS_t1.nii.gz"], "BraTS_t1ce.nii.gz", "BraTS_t1.nii.gz"],
+    [["pre.nii", "post.nii"], "post.nii", "pre.nii"],
+    [["patient-T1-Gd.zip", "patient-T1.zip"], "patient-T1-Gd.zip", "patient-T1.zip"],
+    [["scan.nii.gz"], "scan.nii.gz", null],
+    [["pre.nii.gz"], null, "pre.nii.gz"],
+    [["flair.nii.gz", "t2.nii.gz"], null, null],
+    [["postman.nii.gz", "other.nii.gz"], null, null],
+  ])("%j: after %s, before %s", (names, post, pre) => {
+    expect(guessRoles(volumes(...names))).toEqual({ post, pre });
+    expect(guessRoles(volumes(...names).reverse())).toEqual({ post, pre });
+  });
 });
 
 describe("parseSeeds", () => {
-	it("reads points as people write them", () => {
-		expect(parseSeeds("12.5, -30, 41\n 1 2 3 ;4,5,6\n\n").seeds).toEqual([
-			[12.5, -30, 41],
-			[1, 2, 3],
-			[4, 5, 6],
-		]);
-	});
-	it.each(["1, 2", "1 2 3 4", "a b c", "1, , 3", "1e999 0 0"])(
-		"refuses %j and says so",
-		(text) => {
-			const { seeds, problem } = parseSeeds(text);
-			expect(seeds).toEqual([]);
-			expect(problem).toContain(text);
-		},
-	);
-	it("keeps the server's limit", () => {
-		expect(parseSeeds("0 0 0\n".repeat(65)).problem).toMatch(/64/);
-		expect(parseSeeds("0 0 0\n".repeat(64)).seeds).toHaveLength(64);
-	});
+  it("reads points as people write them", () => {
+    expect(parseSeeds("12.5, -30, 41\n 1 2 3 ;4,5,6\n\n").seeds).toEqual([
+      [12.5, -30, 41],
+      [1, 2, 3],
+      [4, 5, 6],
+    ]);
+  });
+  it.each(["1, 2", "1 2 3 4", "a b c", "1, , 3", "1e999 0 0"])("refuses %j and says so", (text) => {
+    const { seeds, problem } = parseSeeds(text);
+    expect(seeds).toEqual([]);
+    expect(problem).toContain(text);
+  });
+  it("keeps the server's limit", () => {
+    expect(parseSeeds("0 0 0\n".repeat(65)).problem).toMatch(/64/);
+    expect(parseSeeds("0 0 0\n".repeat(64)).seeds).toHaveLength(64);
+  });
 });
 
 describe("what is drawn", () => {
-	it("goes by the format found, not by the file's name", () => {
-		const drawable = (format: string) =>
-			drawableName({ format, filename: "x.txt", media_type: "" });
-		expect(drawable("nifti1")).toBe("volume.nii.gz");
-		expect(drawable("metaimage")).toBe("volume.mha");
-		expect(drawable("dicom-zip")).toBeNull();
-	});
-	it("has a color of its own for every label", () => {
-		expect(new Set(LABELS.map(({ color }) => color)).size).toBe(LABELS.length);
-		expect(rgb("#f2a24a")).toEqual([242, 162, 74]);
-	});
+  it("goes by the format found, not by the file's name", () => {
+    const drawable = (format: string) => drawableName({ format, filename: "x.txt", media_type: "" });
+    expect(drawable("nifti1")).toBe("volume.nii.gz");
+    expect(drawable("metaimage")).toBe("volume.mha");
+    expect(drawable("dicom-zip")).toBeNull();
+  });
+  it("has a color of its own for every label", () => {
+    expect(new Set(LABELS.map(({ color }) => color)).size).toBe(LABELS.length);
+    expect(rgb("#f2a24a")).toEqual([242, 162, 74]);
+  });
 });
 
 describe("problemFrom", () => {
-	it("reads a problem, with the fields that are wrong", () => {
-		const body = JSON.stringify({
-			status: 422,
-			code: "validation_failed",
-			detail: "The request is not valid.",
-			hint: "Mend it.",
-			errors: [{ location: "body.kind", message: "is missing" }, "odd"],
-		});
-		const error = problemFrom(422, body);
-		expect(error).toMatchObject({
-			status: 422,
-			code: "validation_failed",
-			hint: "Mend it.",
-		});
-		expect(error.message).toBe(
-			"The request is not valid. body.kind: is missing",
-		);
-	});
-	it.each(["<html>Bad Gateway</html>", "", "[]", '{"detail": 3}'])(
-		"makes the best of %j",
-		(body) => {
-			expect(problemFrom(503, body)).toMatchObject({
-				status: 503,
-				code: "http_503",
-			});
-		},
-	);
+  it("reads a problem, with the fields that are wrong", () => {
+    const body = JSON.stringify({
+      status: 422,
+      code: "validation_failed",
+      detail: "The request is not valid.",
+      hint: "Mend it.",
+      errors: [{ location: "body.kind", message: "is missing" }, "odd"],
+    });
+    const error = problemFrom(422, body);
+    expect(error).toMatchObject({
+      status: 422,
+      code: "validation_failed",
+      hint: "Mend it.",
+    });
+    expect(error.message).toBe("The request is not valid. body.kind: is missing");
+  });
+  it.each(["<html>Bad Gateway</html>", "", "[]", '{"detail": 3}'])("makes the best of %j", (body) => {
+    expect(problemFrom(503, body)).toMatchObject({
+      status: 503,
+      code: "http_503",
+    });
+  });
 });
 
 describe("changedParams", () => {
-	const schema = {
-		properties: {
-			seeds: { default: [] },
-			edge: { default: null },
-			smoothing: { default: 0.12 },
-			must: {},
-		},
-	};
-	it("leaves out what is as it would have been", () => {
-		expect(
-			changedParams(
-				{ seeds: [], edge: null, smoothing: 0.2, must: 1, unknown: 2 },
-				schema,
-			),
-		).toEqual([
-			["smoothing", 0.2],
-			["must", 1],
-			["unknown", 2],
-		]);
-	});
-	it("shows everything where the kind is not known", () => {
-		expect(changedParams({ a: 1 }, undefined)).toEqual([["a", 1]]);
-	});
+  const schema = {
+    properties: {
+      seeds: { default: [] },
+      edge: { default: null },
+      smoothing: { default: 0.12 },
+      must: {},
+    },
+  };
+  it("leaves out what is as it would have been", () => {
+    expect(changedParams({ seeds: [], edge: null, smoothing: 0.2, must: 1, unknown: 2 }, schema)).toEqual([
+      ["smoothing", 0.2],
+      ["must", 1],
+      ["unknown", 2],
+    ]);
+  });
+  it("shows everything where the kind is not known", () => {
+    expect(changedParams({ a: 1 }, undefined)).toEqual([["a", 1]]);
+  });
 });

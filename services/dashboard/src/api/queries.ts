@@ -1,231 +1,196 @@
-import {
-	type QueryClient,
-	queryOptions,
-	useMutation,
-	useQuery,
-	useQueryClient,
-} from "@tanstack/react-query";
+import { type QueryClient, queryOptions, useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { api, body } from "./client";
 import type { Asset, Job, JobCreate, JobEvent, JobState } from "./types";
 import { isTerminal } from "./types";
 
 export interface JobFilter {
-	state?: JobState | undefined;
-	cursor?: string | undefined;
+  state?: JobState | undefined;
+  cursor?: string | undefined;
 }
 
 export const PAGE_SIZE = 25;
 
 export const keys = {
-	info: ["info"] as const,
-	kinds: ["kinds"] as const,
-	jobLists: ["jobs", "list"] as const,
-	jobs: (filter: JobFilter) => ["jobs", "list", filter] as const,
-	job: (id: string) => ["jobs", "one", id] as const,
-	assetLists: ["assets", "list"] as const,
-	assets: (kind: Asset["kind"]) => ["assets", "list", kind] as const,
-	asset: (id: string) => ["assets", "one", id] as const,
+  info: ["info"] as const,
+  kinds: ["kinds"] as const,
+  jobLists: ["jobs", "list"] as const,
+  jobs: (filter: JobFilter) => ["jobs", "list", filter] as const,
+  job: (id: string) => ["jobs", "one", id] as const,
+  assetLists: ["assets", "list"] as const,
+  assets: (kind: Asset["kind"]) => ["assets", "list", kind] as const,
+  asset: (id: string) => ["assets", "one", id] as const,
 };
 
 export const infoQuery = queryOptions({
-	queryKey: keys.info,
-	queryFn: ({ signal }) => body(api.GET("/v1/info", { signal })),
-	staleTime: 5 * 60_000,
+  queryKey: keys.info,
+  queryFn: ({ signal }) => body(api.GET("/v1/info", { signal })),
+  staleTime: 5 * 60_000,
 });
 
 export const kindsQuery = queryOptions({
-	queryKey: keys.kinds,
-	queryFn: ({ signal }) => body(api.GET("/v1/kinds", { signal })),
-	staleTime: 15_000,
+  queryKey: keys.kinds,
+  queryFn: ({ signal }) => body(api.GET("/v1/kinds", { signal })),
+  staleTime: 15_000,
 });
 
 export const jobsQuery = (filter: JobFilter) =>
-	queryOptions({
-		queryKey: keys.jobs(filter),
-		queryFn: ({ signal }) =>
-			body(
-				api.GET("/v1/jobs", {
-					params: {
-						query: {
-							limit: PAGE_SIZE,
-							...(filter.state ? { state: filter.state } : {}),
-							...(filter.cursor ? { cursor: filter.cursor } : {}),
-						},
-					},
-					signal,
-				}),
-			),
-	});
+  queryOptions({
+    queryKey: keys.jobs(filter),
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/v1/jobs", {
+          params: {
+            query: {
+              limit: PAGE_SIZE,
+              ...(filter.state ? { state: filter.state } : {}),
+              ...(filter.cursor ? { cursor: filter.cursor } : {}),
+            },
+          },
+          signal,
+        }),
+      ),
+  });
 
 export const jobQuery = (id: string) =>
-	queryOptions({
-		queryKey: keys.job(id),
-		queryFn: ({ signal }) =>
-			body(
-				api.GET("/v1/jobs/{job_id}", {
-					params: { path: { job_id: id } },
-					signal,
-				}),
-			),
-	});
+  queryOptions({
+    queryKey: keys.job(id),
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/v1/jobs/{job_id}", {
+          params: { path: { job_id: id } },
+          signal,
+        }),
+      ),
+  });
 
 export const volumesQuery = queryOptions({
-	queryKey: keys.assets("volume"),
-	queryFn: ({ signal }) =>
-		body(
-			api.GET("/v1/assets", {
-				params: { query: { kind: "volume", limit: 100 } },
-				signal,
-			}),
-		),
+  queryKey: keys.assets("volume"),
+  queryFn: ({ signal }) =>
+    body(
+      api.GET("/v1/assets", {
+        params: { query: { kind: "volume", limit: 100 } },
+        signal,
+      }),
+    ),
 });
 
 export const assetQuery = (id: string) =>
-	queryOptions({
-		queryKey: keys.asset(id),
-		queryFn: ({ signal }) =>
-			body(
-				api.GET("/v1/assets/{asset_id}", {
-					params: { path: { asset_id: id } },
-					signal,
-				}),
-			),
-		staleTime: Number.POSITIVE_INFINITY, // an asset never changes
-	});
+  queryOptions({
+    queryKey: keys.asset(id),
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/v1/assets/{asset_id}", {
+          params: { path: { asset_id: id } },
+          signal,
+        }),
+      ),
+    staleTime: Number.POSITIVE_INFINITY, // an asset never changes
+  });
 
 /** The files that jobs were started with, by id; one request for the recent ones rather than one for each. */
-export function useAssetNames(
-	ids: readonly string[],
-): ReadonlyMap<string, Asset> {
-	const client = useQueryClient();
-	const wanted = [...new Set(ids)].sort();
-	const { data } = useQuery({
-		queryKey: ["assets", "names", wanted],
-		enabled: wanted.length > 0,
-		staleTime: Number.POSITIVE_INFINITY,
-		queryFn: async () => {
-			const known = (id: string) => client.getQueryData<Asset>(keys.asset(id));
-			if (wanted.filter((id) => !known(id)).length > 2) {
-				const recent = await client.fetchQuery({
-					...volumesQuery,
-					staleTime: 5_000,
-				});
-				rememberAssets(client, recent.items);
-			}
-			const found = await Promise.all(
-				wanted.map((id) => client.fetchQuery(assetQuery(id)).catch(() => null)), // deleted: the job still has its id
-			);
-			return new Map(
-				found
-					.filter((asset) => asset !== null)
-					.map((asset) => [asset.id, asset]),
-			);
-		},
-		placeholderData: (previous) => previous,
-	});
-	return data ?? NO_ASSETS;
+export function useAssetNames(ids: readonly string[]): ReadonlyMap<string, Asset> {
+  const client = useQueryClient();
+  const wanted = [...new Set(ids)].sort();
+  const { data } = useQuery({
+    queryKey: ["assets", "names", wanted],
+    enabled: wanted.length > 0,
+    staleTime: Number.POSITIVE_INFINITY,
+    queryFn: async () => {
+      const known = (id: string) => client.getQueryData<Asset>(keys.asset(id));
+      if (wanted.filter((id) => !known(id)).length > 2) {
+        const recent = await client.query({
+          ...volumesQuery,
+          staleTime: 5_000,
+        });
+        rememberAssets(client, recent.items);
+      }
+      const found = await Promise.all(
+        wanted.map((id) => client.query(assetQuery(id)).catch(() => null)), // deleted: the job still has its id
+      );
+      return new Map(found.filter((asset) => asset !== null).map((asset) => [asset.id, asset]));
+    },
+    placeholderData: (previous) => previous,
+  });
+  return data ?? NO_ASSETS;
 }
 
 const NO_ASSETS: ReadonlyMap<string, Asset> = new Map();
 
-export function rememberAssets(
-	client: QueryClient,
-	assets: readonly Asset[],
-): void {
-	for (const asset of assets) client.setQueryData(keys.asset(asset.id), asset);
+export function rememberAssets(client: QueryClient, assets: readonly Asset[]): void {
+  for (const asset of assets) client.setQueryData(keys.asset(asset.id), asset);
 }
 
 export function useCreateJob() {
-	const client = useQueryClient();
-	return useMutation({
-		mutationFn: ({
-			request,
-			idempotencyKey,
-		}: {
-			request: JobCreate;
-			idempotencyKey: string;
-		}) =>
-			body(
-				api.POST("/v1/jobs", {
-					body: request,
-					params: { header: { "Idempotency-Key": idempotencyKey } },
-				}),
-			) as Promise<Job>,
-		onSuccess: (job) => {
-			client.setQueryData(keys.job(job.id), job);
-			void client.invalidateQueries({ queryKey: keys.jobLists });
-		},
-	});
+  const client = useQueryClient();
+  return useMutation({
+    mutationFn: ({ request, idempotencyKey }: { request: JobCreate; idempotencyKey: string }) =>
+      body(
+        api.POST("/v1/jobs", {
+          body: request,
+          params: { header: { "Idempotency-Key": idempotencyKey } },
+        }),
+      ) as Promise<Job>,
+    onSuccess: (job) => {
+      client.setQueryData(keys.job(job.id), job);
+      void client.invalidateQueries({ queryKey: keys.jobLists });
+    },
+  });
 }
 
 export function useJobAction() {
-	const client = useQueryClient();
-	return useMutation({
-		mutationFn: ({
-			id,
-			action,
-		}: {
-			id: string;
-			action: "cancel" | "retry";
-		}) => {
-			const params = { path: { job_id: id } };
-			return action === "cancel"
-				? body(api.POST("/v1/jobs/{job_id}/cancel", { params }))
-				: body(api.POST("/v1/jobs/{job_id}/retry", { params }));
-		},
-		onSuccess: (job) => replaceJob(client, job),
-		// A refusal mostly means that the job has moved on: show how it is now.
-		onSettled: (_job, _error, { id }) => {
-			void client.invalidateQueries({ queryKey: keys.job(id) });
-			void client.invalidateQueries({ queryKey: keys.jobLists });
-		},
-	});
+  const client = useQueryClient();
+  return useMutation({
+    mutationFn: ({ id, action }: { id: string; action: "cancel" | "retry" }) => {
+      const params = { path: { job_id: id } };
+      return action === "cancel"
+        ? body(api.POST("/v1/jobs/{job_id}/cancel", { params }))
+        : body(api.POST("/v1/jobs/{job_id}/retry", { params }));
+    },
+    onSuccess: (job) => replaceJob(client, job),
+    // A refusal mostly means that the job has moved on: show how it is now.
+    onSettled: (_job, _error, { id }) => {
+      void client.invalidateQueries({ queryKey: keys.job(id) });
+      void client.invalidateQueries({ queryKey: keys.jobLists });
+    },
+  });
 }
 
 type JobPage = { items: Job[]; next_cursor?: string | null };
 
-function updateJob(
-	client: QueryClient,
-	id: string,
-	change: (job: Job) => Job,
-): void {
-	client.setQueryData<Job>(keys.job(id), (job) => job && change(job));
-	client.setQueriesData<JobPage>({ queryKey: keys.jobLists }, (page) => {
-		if (!page?.items.some((job) => job.id === id)) return page;
-		return {
-			...page,
-			items: page.items.map((job) => (job.id === id ? change(job) : job)),
-		};
-	});
+function updateJob(client: QueryClient, id: string, change: (job: Job) => Job): void {
+  client.setQueryData<Job>(keys.job(id), (job) => job && change(job));
+  client.setQueriesData<JobPage>({ queryKey: keys.jobLists }, (page) => {
+    if (!page?.items.some((job) => job.id === id)) return page;
+    return {
+      ...page,
+      items: page.items.map((job) => (job.id === id ? change(job) : job)),
+    };
+  });
 }
 
 function replaceJob(client: QueryClient, job: Job): void {
-	client.setQueryData(keys.job(job.id), job);
-	updateJob(client, job.id, () => job);
+  client.setQueryData(keys.job(job.id), job);
+  updateJob(client, job.id, () => job);
 }
 
 /** Put what an event tells into every cached copy of its job, and fetch it anew where the event tells too little. */
 export function applyEvent(client: QueryClient, event: JobEvent): void {
-	const before = client.getQueryData<Job>(keys.job(event.job_id));
-	updateJob(client, event.job_id, (job) => mergeEvent(job, event));
-	if (event.type === "state" && before?.state !== event.state) {
-		void client.invalidateQueries({ queryKey: keys.job(event.job_id) });
-		void client.invalidateQueries({ queryKey: keys.jobLists });
-	}
+  const before = client.getQueryData<Job>(keys.job(event.job_id));
+  updateJob(client, event.job_id, (job) => mergeEvent(job, event));
+  if (event.type === "state" && before?.state !== event.state) {
+    void client.invalidateQueries({ queryKey: keys.job(event.job_id) });
+    void client.invalidateQueries({ queryKey: keys.jobLists });
+  }
 }
 
 /** An ended job stays ended whatever old event arrives late; everything else follows the event. */
 export function mergeEvent(job: Job, event: JobEvent): Job {
-	if (
-		isTerminal(job.state) &&
-		Date.parse(event.at) <= Date.parse(job.finished_at ?? "")
-	)
-		return job;
-	return {
-		...job,
-		state: event.state,
-		stage: event.stage,
-		fraction: event.fraction,
-		message: event.message,
-	};
+  if (isTerminal(job.state) && Date.parse(event.at) <= Date.parse(job.finished_at ?? "")) return job;
+  return {
+    ...job,
+    state: event.state,
+    stage: event.stage,
+    fraction: event.fraction,
+    message: event.message,
+  };
 }

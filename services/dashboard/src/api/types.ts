@@ -13,29 +13,24 @@ export type JobKind = Schemas["JobKindView"];
 export type ServerInfo = Schemas["ServerInfo"];
 
 export const JOB_STATES = [
-	"queued",
-	"running",
-	"cancelling",
-	"succeeded",
-	"failed",
-	"crashed",
-	"cancelled",
+  "queued",
+  "running",
+  "cancelling",
+  "succeeded",
+  "failed",
+  "crashed",
+  "cancelled",
 ] as const satisfies readonly JobState[];
 
 /** States that nothing but a retry by the user leads out of. */
 export function isTerminal(state: JobState): boolean {
-	return (
-		state === "succeeded" ||
-		state === "failed" ||
-		state === "crashed" ||
-		state === "cancelled"
-	);
+  return state === "succeeded" || state === "failed" || state === "crashed" || state === "cancelled";
 }
 
 export function canCancel(state: JobState): boolean {
-	return state === "queued" || state === "running";
+  return state === "queued" || state === "running";
 }
 
 export function canRetry(state: JobState): boolean {
-	return state === "failed" || state === "crashed" || state === "cancelled";
+  return state === "failed" || state === "crashed" || state === "cancelled";
 }

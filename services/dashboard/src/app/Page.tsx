@@ -3,33 +3,33 @@ import { type ReactNode, useEffect } from "react";
 import classes from "./Page.module.css";
 
 interface PageProps {
-	title: ReactNode;
-	/** What the browser's tab says, where the title is not plain text. */
-	tab?: string;
-	lead?: ReactNode;
-	actions?: ReactNode;
-	children: ReactNode;
+  title: ReactNode;
+  /** What the browser's tab says, where the title is not plain text. */
+  tab?: string;
+  lead?: ReactNode;
+  actions?: ReactNode;
+  children: ReactNode;
 }
 
 export function Page({ title, tab, lead, actions, children }: PageProps) {
-	const name = tab ?? (typeof title === "string" ? title : "");
-	useEffect(() => {
-		document.title = name ? `${name} · Shapery` : "Shapery";
-	}, [name]);
-	return (
-		<Box className={classes.page ?? ""}>
-			<Group justify="space-between" align="flex-end" mb="lg" gap="md">
-				<div className={classes.heading}>
-					<Title order={1}>{title}</Title>
-					{lead && (
-						<Text c="dimmed" size="sm" mt={4}>
-							{lead}
-						</Text>
-					)}
-				</div>
-				{actions}
-			</Group>
-			{children}
-		</Box>
-	);
+  const name = tab ?? (typeof title === "string" ? title : "");
+  useEffect(() => {
+    document.title = name ? `${name} · Shapery` : "Shapery";
+  }, [name]);
+  return (
+    <Box className={classes.page ?? ""}>
+      <Group justify="space-between" align="flex-end" mb="lg" gap="md">
+        <div className={classes.heading}>
+          <Title order={1}>{title}</Title>
+          {lead && (
+            <Text c="dimmed" size="sm" mt={4}>
+              {lead}
+            </Text>
+          )}
+        </div>
+        {actions}
+      </Group>
+      {children}
+    </Box>
+  );
 }

@@ -1,11 +1,5 @@
 import { Text } from "@mantine/core";
-import {
-	createRootRoute,
-	createRoute,
-	createRouter,
-	lazyRouteComponent,
-	redirect,
-} from "@tanstack/react-router";
+import { createRootRoute, createRoute, createRouter, lazyRouteComponent, redirect } from "@tanstack/react-router";
 import { Compass } from "lucide-react";
 import { JOB_STATES, type JobState } from "@/api/types";
 import { LinkButton } from "./links";
@@ -14,87 +8,72 @@ import { Page } from "./Page";
 import { Shell } from "./Shell";
 
 const root = createRootRoute({
-	component: Shell,
-	notFoundComponent: () => (
-		<Page title="" tab="Not found">
-			<Empty icon={<Compass size={32} />} title="There is no such page">
-				<Text c="dimmed" size="sm">
-					The address may be mistyped, or the page has moved.
-				</Text>
-				<LinkButton to="/jobs" variant="default" mt="sm">
-					To the jobs
-				</LinkButton>
-			</Empty>
-		</Page>
-	),
+  component: Shell,
+  notFoundComponent: () => (
+    <Page title="" tab="Not found">
+      <Empty icon={<Compass size={32} />} title="There is no such page">
+        <Text c="dimmed" size="sm">
+          The address may be mistyped, or the page has moved.
+        </Text>
+        <LinkButton to="/jobs" variant="default" mt="sm">
+          To the jobs
+        </LinkButton>
+      </Empty>
+    </Page>
+  ),
 });
 
 const start = createRoute({
-	getParentRoute: () => root,
-	path: "/",
-	beforeLoad: () => {
-		throw redirect({ to: "/jobs" });
-	},
+  getParentRoute: () => root,
+  path: "/",
+  beforeLoad: () => redirect({ to: "/jobs", throw: true }),
 });
 
 export interface JobsSearch {
-	state?: JobState;
-	cursor?: string;
+  state?: JobState;
+  cursor?: string;
 }
 
 export const jobsRoute = createRoute({
-	getParentRoute: () => root,
-	path: "/jobs",
-	validateSearch: (search: Record<string, unknown>): JobsSearch => ({
-		...(JOB_STATES.includes(search.state as JobState)
-			? { state: search.state as JobState }
-			: {}),
-		...(typeof search.cursor === "string" ? { cursor: search.cursor } : {}),
-	}),
-	component: lazyRouteComponent(
-		() => import("@/features/jobs/JobsPage"),
-		"JobsPage",
-	),
+  getParentRoute: () => root,
+  path: "/jobs",
+  validateSearch: (search: Record<string, unknown>): JobsSearch => ({
+    ...(JOB_STATES.includes(search.state as JobState) ? { state: search.state as JobState } : {}),
+    ...(typeof search.cursor === "string" ? { cursor: search.cursor } : {}),
+  }),
+  component: lazyRouteComponent(() => import("@/features/jobs/JobsPage"), "JobsPage"),
 });
 
 export const jobRoute = createRoute({
-	getParentRoute: () => root,
-	path: "/jobs/$jobId",
-	component: lazyRouteComponent(
-		() => import("@/features/jobs/JobPage"),
-		"JobPage",
-	),
+  getParentRoute: () => root,
+  path: "/jobs/$jobId",
+  component: lazyRouteComponent(() => import("@/features/jobs/JobPage"), "JobPage"),
 });
 
 export const uploadRoute = createRoute({
-	getParentRoute: () => root,
-	path: "/upload",
-	validateSearch: (
-		search: Record<string, unknown>,
-	): { post?: string; pre?: string } => ({
-		...(typeof search.post === "string" ? { post: search.post } : {}),
-		...(typeof search.pre === "string" ? { pre: search.pre } : {}),
-	}),
-	component: lazyRouteComponent(
-		() => import("@/features/uploads/UploadPage"),
-		"UploadPage",
-	),
+  getParentRoute: () => root,
+  path: "/upload",
+  validateSearch: (search: Record<string, unknown>): { post?: string; pre?: string } => ({
+    ...(typeof search.post === "string" ? { post: search.post } : {}),
+    ...(typeof search.pre === "string" ? { pre: search.pre } : {}),
+  }),
+  component: lazyRouteComponent(() => import("@/features/uploads/UploadPage"), "UploadPage"),
 });
 
 export const router = createRouter({
-	routeTree: root.addChildren([start, jobsRoute, jobRoute, uploadRoute]),
-	defaultPreload: "intent",
-	scrollRestoration: true,
-	defaultPendingComponent: () => <Waiting label="Loading…" />,
-	defaultErrorComponent: ({ error, reset }) => (
-		<Page title="Something broke" tab="Error">
-			<Failure error={error} onRetry={reset} />
-		</Page>
-	),
+  routeTree: root.addChildren([start, jobsRoute, jobRoute, uploadRoute]),
+  defaultPreload: "intent",
+  scrollRestoration: true,
+  defaultPendingComponent: () => <Waiting label="Loading…" />,
+  defaultErrorComponent: ({ error, reset }) => (
+    <Page title="Something broke" tab="Error">
+      <Failure error={error} onRetry={reset} />
+    </Page>
+  ),
 });
 
 declare module "@tanstack/react-router" {
-	interface Register {
-		router: typeof router;
-	}
+  interface Register {
+    router: typeof router;
+  }
 }

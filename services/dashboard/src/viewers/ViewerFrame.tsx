@@ -5,91 +5,71 @@ import { describe } from "@/api/problem";
 import classes from "./viewers.module.css";
 
 export type ViewerStatus =
-	| { is: "loading"; fraction: number; what: string }
-	| { is: "ready" }
-	| { is: "failed"; error: unknown }
-	/** The graphics driver took the picture away. */
-	| { is: "lost" };
+  | { is: "loading"; fraction: number; what: string }
+  | { is: "ready" }
+  | { is: "failed"; error: unknown }
+  /** The graphics driver took the picture away. */
+  | { is: "lost" };
 
 interface ViewerFrameProps {
-	label: string;
-	status: ViewerStatus;
-	onRetry: () => void;
-	/** Beside the title. */
-	tools: ReactNode;
-	children: ReactNode;
+  label: string;
+  status: ViewerStatus;
+  onRetry: () => void;
+  /** Beside the title. */
+  tools: ReactNode;
+  children: ReactNode;
 }
 
 /** Around a drawing: what it waits for, or why it is not there. */
-export function ViewerFrame({
-	label,
-	status,
-	onRetry,
-	tools,
-	children,
-}: ViewerFrameProps) {
-	return (
-		<section
-			className={classes.frame}
-			aria-label={label}
-			data-status={status.is}
-		>
-			<header className={classes.bar}>
-				<span className={classes.title}>{label}</span>
-				{status.is === "ready" && tools}
-			</header>
-			<div className={classes.body}>
-				{children}
-				{status.is === "loading" && (
-					<Center className={classes.veil ?? ""} role="status">
-						<Stack gap="xs" w={220}>
-							<Text size="sm" c="gray.4" ta="center">
-								{status.what}
-							</Text>
-							<Progress
-								value={status.fraction * 100}
-								size="xs"
-								aria-label={status.what}
-							/>
-						</Stack>
-					</Center>
-				)}
-				{(status.is === "failed" || status.is === "lost") && (
-					<Center className={classes.veil ?? ""} p="lg">
-						<Stack align="center" gap="sm" maw={360} role="alert">
-							<Text size="sm" c="gray.3" ta="center">
-								{status.is === "lost"
-									? "The graphics driver has dropped this picture."
-									: `This cannot be drawn: ${describe(status.error).message} ${describe(status.error).hint}`}
-							</Text>
-							<Button
-								size="xs"
-								variant="default"
-								leftSection={<RotateCw size={14} />}
-								onClick={onRetry}
-							>
-								Draw it again
-							</Button>
-						</Stack>
-					</Center>
-				)}
-			</div>
-		</section>
-	);
+export function ViewerFrame({ label, status, onRetry, tools, children }: ViewerFrameProps) {
+  return (
+    <section className={classes.frame} aria-label={label} data-status={status.is}>
+      <header className={classes.bar}>
+        <span className={classes.title}>{label}</span>
+        {status.is === "ready" && tools}
+      </header>
+      <div className={classes.body}>
+        {children}
+        {status.is === "loading" && (
+          <Center className={classes.veil ?? ""} role="status">
+            <Stack gap="xs" w={220}>
+              <Text size="sm" c="gray.4" ta="center">
+                {status.what}
+              </Text>
+              <Progress value={status.fraction * 100} size="xs" aria-label={status.what} />
+            </Stack>
+          </Center>
+        )}
+        {(status.is === "failed" || status.is === "lost") && (
+          <Center className={classes.veil ?? ""} p="lg">
+            <Stack align="center" gap="sm" maw={360} role="alert">
+              <Text size="sm" c="gray.3" ta="center">
+                {status.is === "lost"
+                  ? "The graphics driver has dropped this picture."
+                  : `This cannot be drawn: ${describe(status.error).message} ${describe(status.error).hint}`}
+              </Text>
+              <Button size="xs" variant="default" leftSection={<RotateCw size={14} />} onClick={onRetry}>
+                Draw it again
+              </Button>
+            </Stack>
+          </Center>
+        )}
+      </div>
+    </section>
+  );
 }
 
 export function NoWebGL() {
-	return (
-		<Alert
-			color="orange"
-			variant="light"
-			icon={<MonitorX size={18} />}
-			title="This browser cannot draw volumes"
-			role="alert"
-		>
-			WebGL 2 is switched off or missing. Switch on hardware acceleration in the
-			browser's settings, or open this page in a current Firefox, Chrome, Edge
-			or Safari. The measurements and downloads below are complete without it.
-		</Alert>
-	);
+  return (
+    <Alert
+      color="orange"
+      variant="light"
+      icon={<MonitorX size={18} />}
+      title="This browser cannot draw volumes"
+      role="alert"
+    >
+      WebGL 2 is switched off or missing. Switch on hardware acceleration in the browser's settings, or open this page
+      in a current Firefox, Chrome, Edge or Safari. The measurements and downloads below are complete without it.
+    </Alert>
+  );
 }

@@ -1,17 +1,17 @@
 /** What the numbers of `labels.nii.gz` stand for, and the colors they have everywhere (`--label-*` in app.css). */
 export const LABELS = [
-	{ value: 1, name: "Enhancing tumor", color: "#f2a24a" },
-	{ value: 2, name: "Enclosed core", color: "#5aa9e6" },
-	{ value: 3, name: "Vessel", color: "#e4576a" },
-	{ value: 4, name: "Microhemorrhage", color: "#b48cf2" },
+  { value: 1, name: "Enhancing tumor", color: "#f2a24a" },
+  { value: 2, name: "Enclosed core", color: "#5aa9e6" },
+  { value: 3, name: "Vessel", color: "#e4576a" },
+  { value: 4, name: "Microhemorrhage", color: "#b48cf2" },
 ] as const;
 
 export function labelName(value: number): string | null {
-	return LABELS.find((label) => label.value === value)?.name ?? null;
+  return LABELS.find((label) => label.value === value)?.name ?? null;
 }
 
 /** "#f2a24a" → [242, 162, 74]. */
 export function rgb(color: string): [number, number, number] {
-	const value = Number.parseInt(color.slice(1), 16);
-	return [(value >> 16) & 0xff, (value >> 8) & 0xff, value & 0xff];
+  const value = Number.parseInt(color.slice(1), 16);
+  return [(value >> 16) & 0xff, (value >> 8) & 0xff, value & 0xff];
 }

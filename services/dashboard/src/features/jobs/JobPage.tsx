@@ -1,11 +1,4 @@
-import {
-	Breadcrumbs,
-	Group,
-	Paper,
-	Progress,
-	Stack,
-	Text,
-} from "@mantine/core";
+import { Breadcrumbs, Group, Paper, Progress, Stack, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi } from "@tanstack/react-router";
 import { CircleAlert, Clock, SearchX, TimerOff } from "lucide-react";
@@ -28,318 +21,268 @@ import { StagePath } from "./StagePath";
 import { StageTimes } from "./StageTimes";
 import { StateBadge } from "./StateBadge";
 
-const SegmentationView = lazy(
-	() => import("@/features/segmentation/SegmentationView"),
-);
+const SegmentationView = lazy(() => import("@/features/segmentation/SegmentationView"));
 
 const route = getRouteApi("/jobs/$jobId");
 
 export function JobPage() {
-	const { jobId } = route.useParams();
-	const job = useQuery({
-		...jobQuery(jobId),
-		// Events say when something has changed; asking now and then mends what they may have missed.
-		refetchInterval: ({ state }) =>
-			state.data && !isTerminal(state.data.state) ? 5_000 : false,
-	});
-	if (job.isPending) {
-		return (
-			<Page title="Job">
-				<Waiting label="Loading the job…" />
-			</Page>
-		);
-	}
-	if (!job.data) {
-		const missing =
-			job.error instanceof ApiError &&
-			(job.error.status === 404 || job.error.status === 422);
-		return (
-			<Page title="" tab="Job">
-				{missing ? (
-					<Empty icon={<SearchX size={32} />} title="There is no such job">
-						<Text size="sm" c="dimmed">
-							Its address may be mistyped, or it belongs to another key.
-						</Text>
-						<LinkButton to="/jobs" variant="default" mt="sm">
-							To the jobs
-						</LinkButton>
-					</Empty>
-				) : (
-					<Failure error={job.error} onRetry={() => void job.refetch()} />
-				)}
-			</Page>
-		);
-	}
-	return <LoadedJob key={jobId} job={job.data} />;
+  const { jobId } = route.useParams();
+  const job = useQuery({
+    ...jobQuery(jobId),
+    // Events say when something has changed; asking now and then mends what they may have missed.
+    refetchInterval: ({ state }) => (state.data && !isTerminal(state.data.state) ? 5_000 : false),
+  });
+  if (job.isPending) {
+    return (
+      <Page title="Job">
+        <Waiting label="Loading the job…" />
+      </Page>
+    );
+  }
+  if (!job.data) {
+    const missing = job.error instanceof ApiError && (job.error.status === 404 || job.error.status === 422);
+    return (
+      <Page title="" tab="Job">
+        {missing ? (
+          <Empty icon={<SearchX size={32} />} title="There is no such job">
+            <Text size="sm" c="dimmed">
+              Its address may be mistyped, or it belongs to another key.
+            </Text>
+            <LinkButton to="/jobs" variant="default" mt="sm">
+              To the jobs
+            </LinkButton>
+          </Empty>
+        ) : (
+          <Failure error={job.error} onRetry={() => void job.refetch()} />
+        )}
+      </Page>
+    );
+  }
+  return <LoadedJob key={jobId} job={job.data} />;
 }
 
 function LoadedJob({ job }: { job: Job }) {
-	const mode = useLiveJobs(isTerminal(job.state) ? [] : [job.id]);
-	useQuery({
-		...jobQuery(job.id),
-		enabled: mode === "poll" && !isTerminal(job.state),
-		refetchInterval: 1_500,
-	});
-	const assets = useAssetNames(
-		Object.values(job.inputs).flatMap((ids) => ids.slice(0, 1)),
-	);
-	const name = jobName(job, assets);
-	return (
-		<Page
-			tab={name}
-			title={
-				<>
-					<Breadcrumbs mb={4} separatorMargin={6} fz="sm" fw={400} c="dimmed">
-						<LinkAnchor to="/jobs" size="sm">
-							Jobs
-						</LinkAnchor>
-						<Text size="sm" c="dimmed" fw={400}>
-							{job.kind.charAt(0).toUpperCase() + job.kind.slice(1)}
-						</Text>
-					</Breadcrumbs>
-					<span style={{ overflowWrap: "anywhere" }}>{name}</span>
-				</>
-			}
-			lead={<Lead job={job} />}
-			actions={
-				<Group gap="sm">
-					<JobActions job={job} name={name} />
-					{isTerminal(job.state) && (
-						<LinkButton
-							to="/upload"
-							search={again(job)}
-							variant="default"
-							size="sm"
-						>
-							Segment again
-						</LinkButton>
-					)}
-				</Group>
-			}
-		>
-			<Body job={job} assets={assets} />
-		</Page>
-	);
+  const mode = useLiveJobs(isTerminal(job.state) ? [] : [job.id]);
+  useQuery({
+    ...jobQuery(job.id),
+    enabled: mode === "poll" && !isTerminal(job.state),
+    refetchInterval: 1_500,
+  });
+  const assets = useAssetNames(Object.values(job.inputs).flatMap((ids) => ids.slice(0, 1)));
+  const name = jobName(job, assets);
+  return (
+    <Page
+      tab={name}
+      title={
+        <>
+          <Breadcrumbs mb={4} separatorMargin={6} fz="sm" fw={400} c="dimmed">
+            <LinkAnchor to="/jobs" size="sm">
+              Jobs
+            </LinkAnchor>
+            <Text size="sm" c="dimmed" fw={400}>
+              {job.kind.charAt(0).toUpperCase() + job.kind.slice(1)}
+            </Text>
+          </Breadcrumbs>
+          <span style={{ overflowWrap: "anywhere" }}>{name}</span>
+        </>
+      }
+      lead={<Lead job={job} />}
+      actions={
+        <Group gap="sm">
+          <JobActions job={job} name={name} />
+          {isTerminal(job.state) && (
+            <LinkButton to="/upload" search={again(job)} variant="default" size="sm">
+              Segment again
+            </LinkButton>
+          )}
+        </Group>
+      }
+    >
+      <Body job={job} assets={assets} />
+    </Page>
+  );
 }
 
 function again(job: Job): { post?: string; pre?: string } {
-	const post = job.inputs.post?.[0];
-	const pre = job.inputs.pre?.[0];
-	return { ...(post ? { post } : {}), ...(pre ? { pre } : {}) };
+  const post = job.inputs.post?.[0];
+  const pre = job.inputs.pre?.[0];
+  return { ...(post ? { post } : {}), ...(pre ? { pre } : {}) };
 }
 
 function Lead({ job }: { job: Job }) {
-	const now = useNow(isTerminal(job.state) ? 30_000 : 1_000);
-	const ended = job.finished_at ? Date.parse(job.finished_at) : now;
-	const parts = [
-		<span key="created" title={moment(job.created_at)}>
-			created {ago(job.created_at, now)}
-		</span>,
-	];
-	if (job.started_at) {
-		const word = job.finished_at ? "took" : "running for";
-		parts.push(
-			<span key="took">
-				{word} {duration((ended - Date.parse(job.started_at)) / 1000)}
-			</span>,
-		);
-	}
-	if (job.attempt > 1)
-		parts.push(<span key="attempt">attempt {job.attempt}</span>);
-	if (job.expires_at && !job.expired) {
-		parts.push(
-			<span key="expires" title={moment(job.expires_at)}>
-				results kept until {moment(job.expires_at)} (
-				{relative(Date.parse(job.expires_at), now)})
-			</span>,
-		);
-	}
-	return (
-		<Group component="span" gap={6} mt={2} role="status">
-			<StateBadge state={job.state} />
-			{parts.map((part, index) => (
-				<Text key={part.key} span size="sm" c="dimmed">
-					{index > 0 ? "· " : ""}
-					{part}
-				</Text>
-			))}
-		</Group>
-	);
+  const now = useNow(isTerminal(job.state) ? 30_000 : 1_000);
+  const ended = job.finished_at ? Date.parse(job.finished_at) : now;
+  const parts = [
+    <span key="created" title={moment(job.created_at)}>
+      created {ago(job.created_at, now)}
+    </span>,
+  ];
+  if (job.started_at) {
+    const word = job.finished_at ? "took" : "running for";
+    parts.push(
+      <span key="took">
+        {word} {duration((ended - Date.parse(job.started_at)) / 1000)}
+      </span>,
+    );
+  }
+  if (job.attempt > 1) parts.push(<span key="attempt">attempt {job.attempt}</span>);
+  if (job.expires_at && !job.expired) {
+    parts.push(
+      <span key="expires" title={moment(job.expires_at)}>
+        results kept until {moment(job.expires_at)} ({relative(Date.parse(job.expires_at), now)})
+      </span>,
+    );
+  }
+  return (
+    <Group component="span" gap={6} mt={2} role="status">
+      <StateBadge state={job.state} />
+      {parts.map((part, index) => (
+        <Text key={part.key} span size="sm" c="dimmed">
+          {index > 0 ? "· " : ""}
+          {part}
+        </Text>
+      ))}
+    </Group>
+  );
 }
 
-function Body({
-	job,
-	assets,
-}: {
-	job: Job;
-	assets: ReadonlyMap<string, Asset>;
-}) {
-	if (!isTerminal(job.state)) return <Underway job={job} assets={assets} />;
-	if (job.state === "succeeded") {
-		if (job.expired) {
-			return (
-				<Aside job={job} assets={assets}>
-					<Paper>
-						<Empty
-							icon={<TimerOff size={32} />}
-							title="The results have expired"
-						>
-							<Text size="sm" c="dimmed">
-								They were kept until{" "}
-								{job.expires_at
-									? moment(job.expires_at)
-									: "their time was over"}
-								. Segment the volume again to have them back.
-							</Text>
-							<LinkButton to="/upload" search={again(job)} mt="sm">
-								Segment again
-							</LinkButton>
-						</Empty>
-					</Paper>
-				</Aside>
-			);
-		}
-		if (isSegmentationResult(job.result)) {
-			return (
-				<Suspense fallback={<Waiting label="Loading the viewers…" />}>
-					<SegmentationView
-						job={job}
-						result={job.result}
-						post={assets.get(mainInput(job) ?? "") ?? null}
-						facts={
-							<>
-								<StageTimes stages={job.result.stages} />
-								<JobFacts job={job} assets={assets} />
-							</>
-						}
-					/>
-				</Suspense>
-			);
-		}
-	}
-	return (
-		<Aside job={job} assets={assets}>
-			<Ended job={job} />
-		</Aside>
-	);
+function Body({ job, assets }: { job: Job; assets: ReadonlyMap<string, Asset> }) {
+  if (!isTerminal(job.state)) return <Underway job={job} assets={assets} />;
+  if (job.state === "succeeded") {
+    if (job.expired) {
+      return (
+        <Aside job={job} assets={assets}>
+          <Paper>
+            <Empty icon={<TimerOff size={32} />} title="The results have expired">
+              <Text size="sm" c="dimmed">
+                They were kept until {job.expires_at ? moment(job.expires_at) : "their time was over"}. Segment the
+                volume again to have them back.
+              </Text>
+              <LinkButton to="/upload" search={again(job)} mt="sm">
+                Segment again
+              </LinkButton>
+            </Empty>
+          </Paper>
+        </Aside>
+      );
+    }
+    if (isSegmentationResult(job.result)) {
+      return (
+        <Suspense fallback={<Waiting label="Loading the viewers…" />}>
+          <SegmentationView
+            job={job}
+            result={job.result}
+            post={assets.get(mainInput(job) ?? "") ?? null}
+            facts={
+              <>
+                <StageTimes stages={job.result.stages} />
+                <JobFacts job={job} assets={assets} />
+              </>
+            }
+          />
+        </Suspense>
+      );
+    }
+  }
+  return (
+    <Aside job={job} assets={assets}>
+      <Ended job={job} />
+    </Aside>
+  );
 }
 
-function Aside({
-	job,
-	assets,
-	children,
-}: {
-	job: Job;
-	assets: ReadonlyMap<string, Asset>;
-	children: React.ReactNode;
-}) {
-	return (
-		<div className={classes.columns}>
-			<div>{children}</div>
-			<JobFacts job={job} assets={assets} />
-		</div>
-	);
+function Aside({ job, assets, children }: { job: Job; assets: ReadonlyMap<string, Asset>; children: React.ReactNode }) {
+  return (
+    <div className={classes.columns}>
+      <div>{children}</div>
+      <JobFacts job={job} assets={assets} />
+    </div>
+  );
 }
 
-function Underway({
-	job,
-	assets,
-}: {
-	job: Job;
-	assets: ReadonlyMap<string, Asset>;
-}) {
-	const kinds = useQuery(kindsQuery);
-	const kind = kinds.data?.find(({ name }) => name === job.kind);
-	return (
-		<Aside job={job} assets={assets}>
-			<Paper p="lg">
-				{kind && (
-					<StagePath
-						stages={kind.stages}
-						current={job.state === "queued" ? "" : job.stage}
-					/>
-				)}
-				<Group justify="space-between" mb={6} wrap="nowrap">
-					<Text size="sm" truncate aria-live="polite">
-						{job.state === "queued"
-							? kind?.workers === 0
-								? "No worker for this kind is running. The job waits for one."
-								: "Waiting for a free worker"
-							: job.state === "cancelling"
-								? "Stopping…"
-								: job.message || "Working…"}
-					</Text>
-					<Text size="sm" fw={600}>
-						{percent(job.fraction)}
-					</Text>
-				</Group>
-				<Progress
-					value={job.fraction * 100}
-					size="md"
-					color={job.state === "cancelling" ? "orange" : "petrol"}
-					animated={job.state === "running"}
-					transitionDuration={200}
-					aria-label={`${percent(job.fraction)} done`}
-				/>
-				<Group gap={6} mt="md">
-					<Clock size={14} aria-hidden="true" />
-					<Text size="xs" c="dimmed">
-						You may leave or reload this page: the job goes on, and this shows
-						how far it is.
-					</Text>
-				</Group>
-			</Paper>
-		</Aside>
-	);
+function Underway({ job, assets }: { job: Job; assets: ReadonlyMap<string, Asset> }) {
+  const kinds = useQuery(kindsQuery);
+  const kind = kinds.data?.find(({ name }) => name === job.kind);
+  return (
+    <Aside job={job} assets={assets}>
+      <Paper p="lg">
+        {kind && <StagePath stages={kind.stages} current={job.state === "queued" ? "" : job.stage} />}
+        <Group justify="space-between" mb={6} wrap="nowrap">
+          <Text size="sm" truncate aria-live="polite">
+            {job.state === "queued"
+              ? kind?.workers === 0
+                ? "No worker for this kind is running. The job waits for one."
+                : "Waiting for a free worker"
+              : job.state === "cancelling"
+                ? "Stopping…"
+                : job.message || "Working…"}
+          </Text>
+          <Text size="sm" fw={600}>
+            {percent(job.fraction)}
+          </Text>
+        </Group>
+        <Progress
+          value={job.fraction * 100}
+          size="md"
+          color={job.state === "cancelling" ? "orange" : "petrol"}
+          animated={job.state === "running"}
+          transitionDuration={200}
+          aria-label={`${percent(job.fraction)} done`}
+        />
+        <Group gap={6} mt="md">
+          <Clock size={14} aria-hidden="true" />
+          <Text size="xs" c="dimmed">
+            You may leave or reload this page: the job goes on, and this shows how far it is.
+          </Text>
+        </Group>
+      </Paper>
+    </Aside>
+  );
 }
 
 function Ended({ job }: { job: Job }) {
-	const crashed = job.state === "crashed";
-	if (job.state === "cancelled" || !job.error) {
-		return (
-			<Paper>
-				<Empty
-					icon={<CircleAlert size={32} />}
-					title={
-						job.state === "cancelled"
-							? "The job was cancelled"
-							: "There is nothing to show"
-					}
-				>
-					<Text size="sm" c="dimmed">
-						{job.state === "cancelled"
-							? "It left no results. Retry runs it again with the same input."
-							: "The job has ended without a result that this page can draw. Its files can be downloaded."}
-					</Text>
-				</Empty>
-			</Paper>
-		);
-	}
-	return (
-		<Paper p="xl" role="alert" data-testid="job-error">
-			<Group align="flex-start" wrap="nowrap" gap="md">
-				<CircleAlert
-					size={26}
-					style={{ flexShrink: 0 }}
-					color={`var(--mantine-color-${crashed ? "grape" : "red"}-6)`}
-					aria-hidden="true"
-				/>
-				<Stack gap="xs">
-					<Text fw={600} size="lg">
-						{job.error.message}
-					</Text>
-					{job.error.hint && <Text>{job.error.hint}</Text>}
-					<Text size="sm" c="dimmed">
-						{crashed
-							? "The fault is on the server's side, and it was logged. Retry runs it again with the same input."
-							: "Retry runs it again as it was; Segment again lets you change the input or the parameters."}
-					</Text>
-					<Text size="xs" c="dimmed" ff="monospace">
-						{job.error.code}
-						{job.stage ? ` · in stage ${job.stage}` : ""}
-					</Text>
-				</Stack>
-			</Group>
-		</Paper>
-	);
+  const crashed = job.state === "crashed";
+  if (job.state === "cancelled" || !job.error) {
+    return (
+      <Paper>
+        <Empty
+          icon={<CircleAlert size={32} />}
+          title={job.state === "cancelled" ? "The job was cancelled" : "There is nothing to show"}
+        >
+          <Text size="sm" c="dimmed">
+            {job.state === "cancelled"
+              ? "It left no results. Retry runs it again with the same input."
+              : "The job has ended without a result that this page can draw. Its files can be downloaded."}
+          </Text>
+        </Empty>
+      </Paper>
+    );
+  }
+  return (
+    <Paper p="xl" role="alert" data-testid="job-error">
+      <Group align="flex-start" wrap="nowrap" gap="md">
+        <CircleAlert
+          size={26}
+          style={{ flexShrink: 0 }}
+          color={`var(--mantine-color-${crashed ? "grape" : "red"}-6)`}
+          aria-hidden="true"
+        />
+        <Stack gap="xs">
+          <Text fw={600} size="lg">
+            {job.error.message}
+          </Text>
+          {job.error.hint && <Text>{job.error.hint}</Text>}
+          <Text size="sm" c="dimmed">
+            {crashed
+              ? "The fault is on the server's side, and it was logged. Retry runs it again with the same input."
+              : "Retry runs it again as it was; Segment again lets you change the input or the parameters."}
+          </Text>
+          <Text size="xs" c="dimmed" ff="monospace">
+            {job.error.code}
+            {job.stage ? ` · in stage ${job.stage}` : ""}
+          </Text>
+        </Stack>
+      </Group>
+    </Paper>
+  );
 }

@@ -4,26 +4,23 @@ import { volume } from "@/format/format";
 
 /** The input that a job is known by: the first file of its main input. */
 export function mainInput(job: Pick<Job, "inputs">): string | null {
-	return (job.inputs.post ?? Object.values(job.inputs)[0])?.[0] ?? null;
+  return (job.inputs.post ?? Object.values(job.inputs)[0])?.[0] ?? null;
 }
 
 export function jobName(job: Job, assets: ReadonlyMap<string, Asset>): string {
-	const asset = assets.get(mainInput(job) ?? "");
-	return asset ? asset.filename : `Job ${job.id.slice(-8)}`;
+  const asset = assets.get(mainInput(job) ?? "");
+  return asset ? asset.filename : `Job ${job.id.slice(-8)}`;
 }
 
 /** What came out of a job, in a few words. */
 export function outcome(job: Job): string {
-	if (job.expired) return "The results have expired";
-	if (job.state === "cancelled") return "Called off";
-	if (isSegmentationResult(job.result)) {
-		const { objects } = job.result;
-		if (objects.length === 0) return "Nothing found";
-		const core = objects.reduce(
-			(sum, object) => sum + object.core_volume_mm3,
-			0,
-		);
-		return `${objects.length === 1 ? "1 object" : `${objects.length} objects`}, ${volume(core)}`;
-	}
-	return "";
+  if (job.expired) return "The results have expired";
+  if (job.state === "cancelled") return "Called off";
+  if (isSegmentationResult(job.result)) {
+    const { objects } = job.result;
+    if (objects.length === 0) return "Nothing found";
+    const core = objects.reduce((sum, object) => sum + object.core_volume_mm3, 0);
+    return `${objects.length === 1 ? "1 object" : `${objects.length} objects`}, ${volume(core)}`;
+  }
+  return "";
 }

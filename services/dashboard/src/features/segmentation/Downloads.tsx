@@ -6,46 +6,40 @@ import { bytes } from "@/format/format";
 import classes from "./segmentation.module.css";
 
 const TELLS: Record<string, string> = {
-	"labels.nii.gz": "Labels on the grid of the volume after contrast",
-	"surface.ply": "All surfaces of the objects, RAS mm",
-	"scene.glb": "All structures as one scene",
-	"report.json": "The measurements, with seeds and versions",
+  "labels.nii.gz": "Labels on the grid of the volume after contrast",
+  "surface.ply": "All surfaces of the objects, RAS mm",
+  "scene.glb": "All structures as one scene",
+  "report.json": "The measurements, with seeds and versions",
 };
 
 export function Downloads({ artifacts }: { artifacts: readonly Artifact[] }) {
-	if (artifacts.length === 0) return null;
-	return (
-		<Paper p="md" component="section" aria-labelledby="downloads">
-			<Title order={2} id="downloads" mb="xs">
-				Downloads
-			</Title>
-			<ul className={classes.downloads}>
-				{artifacts.map((artifact) => (
-					<li key={artifact.name}>
-						<Download size={15} aria-hidden="true" />
-						<SaveLink
-							url={artifact.url}
-							name={artifact.name.replaceAll("/", "-")}
-						>
-							{artifact.name}
-						</SaveLink>
-						<Text size="sm" c="dimmed">
-							{tells(artifact.name)}
-						</Text>
-						<Text size="sm" c="dimmed">
-							{bytes(artifact.size)}
-						</Text>
-					</li>
-				))}
-			</ul>
-		</Paper>
-	);
+  if (artifacts.length === 0) return null;
+  return (
+    <Paper p="md" component="section" aria-labelledby="downloads">
+      <Title order={2} id="downloads" mb="xs">
+        Downloads
+      </Title>
+      <ul className={classes.downloads}>
+        {artifacts.map((artifact) => (
+          <li key={artifact.name}>
+            <Download size={15} aria-hidden="true" />
+            <SaveLink url={artifact.url} name={artifact.name.replaceAll("/", "-")}>
+              {artifact.name}
+            </SaveLink>
+            <Text size="sm" c="dimmed">
+              {tells(artifact.name)}
+            </Text>
+            <Text size="sm" c="dimmed">
+              {bytes(artifact.size)}
+            </Text>
+          </li>
+        ))}
+      </ul>
+    </Paper>
+  );
 }
 
 function tells(name: string): string {
-	const surface = /^surfaces\/(\d+)\.ply$/.exec(name);
-	return (
-		TELLS[name] ??
-		(surface ? `The surface of object ${surface[1]}, RAS mm` : "")
-	);
+  const surface = /^surfaces\/(\d+)\.ply$/.exec(name);
+  return TELLS[name] ?? (surface ? `The surface of object ${surface[1]}, RAS mm` : "");
 }

@@ -13,163 +13,135 @@ import type { SegmentationResult } from "./params";
 import classes from "./segmentation.module.css";
 
 const VolumeViewer = lazy(async () => ({
-	default: (await import("@/viewers/volume/VolumeViewer")).VolumeViewer,
+  default: (await import("@/viewers/volume/VolumeViewer")).VolumeViewer,
 }));
 const SurfaceViewer = lazy(async () => ({
-	default: (await import("@/viewers/surface/SurfaceViewer")).SurfaceViewer,
+  default: (await import("@/viewers/surface/SurfaceViewer")).SurfaceViewer,
 }));
 
 interface SegmentationViewProps {
-	job: Job;
-	result: SegmentationResult;
-	/** The volume that was segmented; null while it is looked up, or where it was deleted. */
-	post: Asset | null;
-	facts: ReactNode;
+  job: Job;
+  result: SegmentationResult;
+  /** The volume that was segmented; null while it is looked up, or where it was deleted. */
+  post: Asset | null;
+  facts: ReactNode;
 }
 
-export default function SegmentationView({
-	job,
-	result,
-	post,
-	facts,
-}: SegmentationViewProps) {
-	const [chosen, setChosen] = useState<number | null>(null);
-	const { objects } = result;
-	const artifact = (name: string): Artifact | undefined =>
-		job.artifacts?.find((one) => one.name === name);
-	const labels = artifact("labels.nii.gz");
-	const surfaces = useMemo(() => {
-		const found = objects.flatMap((object) => {
-			const file = job.artifacts?.find(({ name }) => name === object.surface);
-			return file
-				? [
-						{
-							id: object.label,
-							url: file.url,
-							size: file.size,
-							color: LABELS[0].color,
-						},
-					]
-				: [];
-		});
-		if (found.length > 0) return found;
-		const whole = job.artifacts?.find(({ name }) => name === "surface.ply");
-		return whole
-			? [{ id: 1, url: whole.url, size: whole.size, color: LABELS[0].color }]
-			: [];
-	}, [objects, job.artifacts]);
-	const focus = useMemo(() => {
-		const object = objects.find(({ label }) => label === chosen) ?? objects[0];
-		const [x = 0, y = 0, z = 0] = object?.centroid ?? [];
-		return object ? ([x, y, z] as const) : null;
-	}, [objects, chosen]);
-	const name = post ? drawableName(post) : null;
+export default function SegmentationView({ job, result, post, facts }: SegmentationViewProps) {
+  const [chosen, setChosen] = useState<number | null>(null);
+  const { objects } = result;
+  const artifact = (name: string): Artifact | undefined => job.artifacts?.find((one) => one.name === name);
+  const labels = artifact("labels.nii.gz");
+  const surfaces = useMemo(() => {
+    const found = objects.flatMap((object) => {
+      const file = job.artifacts?.find(({ name }) => name === object.surface);
+      return file
+        ? [
+            {
+              id: object.label,
+              url: file.url,
+              size: file.size,
+              color: LABELS[0].color,
+            },
+          ]
+        : [];
+    });
+    if (found.length > 0) return found;
+    const whole = job.artifacts?.find(({ name }) => name === "surface.ply");
+    return whole ? [{ id: 1, url: whole.url, size: whole.size, color: LABELS[0].color }] : [];
+  }, [objects, job.artifacts]);
+  const focus = useMemo(() => {
+    const object = objects.find(({ label }) => label === chosen) ?? objects[0];
+    const [x = 0, y = 0, z = 0] = object?.centroid ?? [];
+    return object ? ([x, y, z] as const) : null;
+  }, [objects, chosen]);
+  const name = post ? drawableName(post) : null;
 
-	return (
-		<Stack gap="md">
-			{result.warnings?.map((warning) => (
-				<Alert
-					key={warning}
-					color="yellow"
-					variant="light"
-					icon={<TriangleAlert size={18} />}
-				>
-					{warning}
-				</Alert>
-			))}
-			{!hasWebGL() ? (
-				<NoWebGL />
-			) : (
-				<div className={classes.viewers}>
-					{post && name && labels ? (
-						<Suspense fallback={<Waiting label="Loading the viewer…" />}>
-							<VolumeViewer
-								image={{ url: post.content_url, name, size: post.size }}
-								labels={{
-									url: labels.url,
-									name: "labels.nii.gz",
-									size: labels.size,
-								}}
-								focus={focus}
-							/>
-						</Suspense>
-					) : labels ? (
-						<Suspense fallback={<Waiting label="Loading the viewer…" />}>
-							<VolumeViewer
-								image={{
-									url: labels.url,
-									name: "labels.nii.gz",
-									size: labels.size,
-								}}
-								labels={{
-									url: labels.url,
-									name: "labels.nii.gz",
-									size: labels.size,
-								}}
-								focus={focus}
-							/>
-						</Suspense>
-					) : null}
-					{surfaces.length > 0 && (
-						<Suspense fallback={<Waiting label="Loading the viewer…" />}>
-							<SurfaceViewer
-								surfaces={surfaces}
-								chosen={objects.length > 1 ? chosen : null}
-							/>
-						</Suspense>
-					)}
-				</div>
-			)}
-			{post && !name && (
-				<Text size="sm" c="dimmed">
-					Slices of {post.filename} cannot be drawn in the browser (DICOM); the
-					labels are shown alone. All results can be downloaded.
-				</Text>
-			)}
-			<div className={classes.columns}>
-				<Stack gap="md">
-					<Paper p="md" component="section" aria-labelledby="objects">
-						<Group justify="space-between" mb="xs">
-							<Title order={2} id="objects">
-								{objects.length === 1
-									? "1 object"
-									: `${objects.length} objects`}
-							</Title>
-							<Group gap="md">
-								{LABELS.filter(
-									({ value }) => (result.voxel_counts[String(value)] ?? 0) > 0,
-								).map((label) => (
-									<Group key={label.value} gap={6}>
-										<span
-											className={classes.swatch}
-											style={{ background: label.color }}
-										/>
-										<Text size="xs" c="dimmed">
-											{label.name}
-										</Text>
-									</Group>
-								))}
-							</Group>
-						</Group>
-						{objects.length === 0 ? (
-							<Empty icon={<SearchX size={28} />} title="Nothing was found">
-								<Text size="sm" c="dimmed">
-									The method saw no enhancing region. Where you can see one,
-									segment again with a seed point in its rim.
-								</Text>
-							</Empty>
-						) : (
-							<ObjectTable
-								objects={objects}
-								chosen={chosen}
-								onChoose={setChosen}
-							/>
-						)}
-					</Paper>
-					<Downloads artifacts={job.artifacts ?? []} />
-				</Stack>
-				<Stack gap="md">{facts}</Stack>
-			</div>
-		</Stack>
-	);
+  return (
+    <Stack gap="md">
+      {result.warnings?.map((warning) => (
+        <Alert key={warning} color="yellow" variant="light" icon={<TriangleAlert size={18} />}>
+          {warning}
+        </Alert>
+      ))}
+      {!hasWebGL() ? (
+        <NoWebGL />
+      ) : (
+        <div className={classes.viewers}>
+          {post && name && labels ? (
+            <Suspense fallback={<Waiting label="Loading the viewer…" />}>
+              <VolumeViewer
+                image={{ url: post.content_url, name, size: post.size }}
+                labels={{
+                  url: labels.url,
+                  name: "labels.nii.gz",
+                  size: labels.size,
+                }}
+                focus={focus}
+              />
+            </Suspense>
+          ) : labels ? (
+            <Suspense fallback={<Waiting label="Loading the viewer…" />}>
+              <VolumeViewer
+                image={{
+                  url: labels.url,
+                  name: "labels.nii.gz",
+                  size: labels.size,
+                }}
+                labels={{
+                  url: labels.url,
+                  name: "labels.nii.gz",
+                  size: labels.size,
+                }}
+                focus={focus}
+              />
+            </Suspense>
+          ) : null}
+          {surfaces.length > 0 && (
+            <Suspense fallback={<Waiting label="Loading the viewer…" />}>
+              <SurfaceViewer surfaces={surfaces} chosen={objects.length > 1 ? chosen : null} />
+            </Suspense>
+          )}
+        </div>
+      )}
+      {post && !name && (
+        <Text size="sm" c="dimmed">
+          Slices of {post.filename} cannot be drawn in the browser (DICOM); the labels are shown alone. All results can
+          be downloaded.
+        </Text>
+      )}
+      <div className={classes.columns}>
+        <Stack gap="md">
+          <Paper p="md" component="section" aria-labelledby="objects">
+            <Group justify="space-between" mb="xs">
+              <Title order={2} id="objects">
+                {objects.length === 1 ? "1 object" : `${objects.length} objects`}
+              </Title>
+              <Group gap="md">
+                {LABELS.filter(({ value }) => (result.voxel_counts[String(value)] ?? 0) > 0).map((label) => (
+                  <Group key={label.value} gap={6}>
+                    <span className={classes.swatch} style={{ background: label.color }} />
+                    <Text size="xs" c="dimmed">
+                      {label.name}
+                    </Text>
+                  </Group>
+                ))}
+              </Group>
+            </Group>
+            {objects.length === 0 ? (
+              <Empty icon={<SearchX size={28} />} title="Nothing was found">
+                <Text size="sm" c="dimmed">
+                  The method saw no enhancing region. Where you can see one, segment again with a seed point in its rim.
+                </Text>
+              </Empty>
+            ) : (
+              <ObjectTable objects={objects} chosen={chosen} onChoose={setChosen} />
+            )}
+          </Paper>
+          <Downloads artifacts={job.artifacts ?? []} />
+        </Stack>
+        <Stack gap="md">{facts}</Stack>
+      </div>
+    </Stack>
+  );
 }

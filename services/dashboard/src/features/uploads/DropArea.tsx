@@ -5,95 +5,82 @@ import { chosenFiles, droppedFiles, type Picked } from "./gather";
 import classes from "./uploads.module.css";
 
 /** Takes files and folders, dropped anywhere on the page or chosen with the keyboard. */
-export function DropArea({
-	onPicked,
-	limit,
-}: {
-	onPicked: (picked: Picked[]) => void;
-	limit?: string | undefined;
-}) {
-	const [over, setOver] = useState(false);
-	const files = useRef<HTMLInputElement>(null);
-	const folder = useRef<HTMLInputElement>(null);
+export function DropArea({ onPicked, limit }: { onPicked: (picked: Picked[]) => void; limit?: string | undefined }) {
+  const [over, setOver] = useState(false);
+  const files = useRef<HTMLInputElement>(null);
+  const folder = useRef<HTMLInputElement>(null);
 
-	useEffect(() => {
-		// A file that misses the area must not replace the page.
-		const refuse = (event: globalThis.DragEvent) => event.preventDefault();
-		window.addEventListener("dragover", refuse);
-		window.addEventListener("drop", refuse);
-		return () => {
-			window.removeEventListener("dragover", refuse);
-			window.removeEventListener("drop", refuse);
-		};
-	}, []);
+  useEffect(() => {
+    // A file that misses the area must not replace the page.
+    const refuse = (event: globalThis.DragEvent) => event.preventDefault();
+    window.addEventListener("dragover", refuse);
+    window.addEventListener("drop", refuse);
+    return () => {
+      window.removeEventListener("dragover", refuse);
+      window.removeEventListener("drop", refuse);
+    };
+  }, []);
 
-	const drop = (event: DragEvent) => {
-		event.preventDefault();
-		setOver(false);
-		void droppedFiles(event.dataTransfer).then(onPicked);
-	};
+  const drop = (event: DragEvent) => {
+    event.preventDefault();
+    setOver(false);
+    void droppedFiles(event.dataTransfer).then(onPicked);
+  };
 
-	const choose = (input: HTMLInputElement) => {
-		if (input.files) onPicked(chosenFiles(input.files));
-		input.value = "";
-	};
+  const choose = (input: HTMLInputElement) => {
+    if (input.files) onPicked(chosenFiles(input.files));
+    input.value = "";
+  };
 
-	return (
-		<section
-			className={classes.area}
-			data-over={over || undefined}
-			aria-label="Add files"
-			onDragOver={(event) => {
-				event.preventDefault();
-				setOver(true);
-			}}
-			onDragLeave={(event) => {
-				if (!event.currentTarget.contains(event.relatedTarget as Node | null))
-					setOver(false);
-			}}
-			onDrop={drop}
-		>
-			<UploadCloud
-				size={30}
-				strokeWidth={1.5}
-				aria-hidden="true"
-				className={classes.cloud}
-			/>
-			<Text fw={600}>Drop volumes here</Text>
-			<Text size="sm" c="dimmed" maw={440}>
-				NIfTI, NRRD, MetaImage or DICOM: files, a zip, or a folder of slices.
-				{limit ? ` Up to ${limit} each.` : ""} An interrupted upload goes on
-				where it stopped.
-			</Text>
-			<Group gap="xs" mt="sm" justify="center">
-				<Button size="sm" onClick={() => files.current?.click()}>
-					Choose files
-				</Button>
-				<Button
-					size="sm"
-					variant="default"
-					leftSection={<FolderOpen size={16} />}
-					onClick={() => folder.current?.click()}
-				>
-					Choose a folder
-				</Button>
-			</Group>
-			<input
-				ref={files}
-				type="file"
-				multiple
-				hidden
-				data-testid="files"
-				onChange={(event) => choose(event.currentTarget)}
-			/>
-			<input
-				ref={folder}
-				type="file"
-				hidden
-				data-testid="folder"
-				{...{ webkitdirectory: "" }}
-				onChange={(event) => choose(event.currentTarget)}
-			/>
-		</section>
-	);
+  return (
+    <section
+      className={classes.area}
+      data-over={over || undefined}
+      aria-label="Add files"
+      onDragOver={(event) => {
+        event.preventDefault();
+        setOver(true);
+      }}
+      onDragLeave={(event) => {
+        if (!event.currentTarget.contains(event.relatedTarget as Node | null)) setOver(false);
+      }}
+      onDrop={drop}
+    >
+      <UploadCloud size={30} strokeWidth={1.5} aria-hidden="true" className={classes.cloud} />
+      <Text fw={600}>Drop volumes here</Text>
+      <Text size="sm" c="dimmed" maw={440}>
+        NIfTI, NRRD, MetaImage or DICOM: files, a zip, or a folder of slices.
+        {limit ? ` Up to ${limit} each.` : ""} An interrupted upload goes on where it stopped.
+      </Text>
+      <Group gap="xs" mt="sm" justify="center">
+        <Button size="sm" onClick={() => files.current?.click()}>
+          Choose files
+        </Button>
+        <Button
+          size="sm"
+          variant="default"
+          leftSection={<FolderOpen size={16} />}
+          onClick={() => folder.current?.click()}
+        >
+          Choose a folder
+        </Button>
+      </Group>
+      <input
+        ref={files}
+        type="file"
+        multiple
+        hidden
+        data-testid="files"
+        onChange={(event) => choose(event.currentTarget)}
+      />
+      <input
+        ref={folder}
+        type="file"
+        hidden
+        data-testid="folder"
+        {...{ webkitdirectory: "" }}
+        onChange={(event) => choose(event.currentTarget)}
+      />
+    </section>
+  );
 }

@@ -14,66 +14,52 @@ import classes from "./uploads.module.css";
 import { VolumeShelf } from "./VolumeShelf";
 
 export function UploadPage() {
-	const items = useStore(uploads.items);
-	const info = useQuery(infoQuery);
+  const items = useStore(uploads.items);
+  const info = useQuery(infoQuery);
 
-	const recent = items.flatMap((item) => (item.assetId ? [item.assetId] : []));
+  const recent = items.flatMap((item) => (item.assetId ? [item.assetId] : []));
 
-	const take = async (picked: Picked[]) => {
-		try {
-			const { parcels, leftOut } = await gather(picked);
-			if (leftOut.length > 0) {
-				const some =
-					leftOut.slice(0, 3).join(", ") + (leftOut.length > 3 ? ", …" : "");
-				say(
-					leftOut.length === 1
-						? "One file was left out"
-						: `${leftOut.length} files were left out`,
-					some,
-				);
-			}
-			await uploads.add(parcels);
-		} catch (error) {
-			sayFailure("The files could not be read", error);
-		}
-	};
+  const take = async (picked: Picked[]) => {
+    try {
+      const { parcels, leftOut } = await gather(picked);
+      if (leftOut.length > 0) {
+        const some = leftOut.slice(0, 3).join(", ") + (leftOut.length > 3 ? ", …" : "");
+        say(leftOut.length === 1 ? "One file was left out" : `${leftOut.length} files were left out`, some);
+      }
+      await uploads.add(parcels);
+    } catch (error) {
+      sayFailure("The files could not be read", error);
+    }
+  };
 
-	return (
-		<Page
-			title="Upload and segment"
-			lead="Bring a T1 volume after contrast, and if you have it the one before."
-		>
-			<div className={classes.columns}>
-				<Stack gap="md">
-					<DropArea
-						onPicked={(picked) => void take(picked)}
-						limit={info.data ? bytes(info.data.max_upload_bytes) : undefined}
-					/>
-					{items.length > 0 && (
-						<section>
-							<Group justify="space-between" mb="xs">
-								<Title order={2}>Uploads</Title>
-								{items.some((item) => item.state === "done") && (
-									<Button
-										size="compact-sm"
-										variant="subtle"
-										color="gray"
-										onClick={() => uploads.clearDone()}
-									>
-										Clear finished
-									</Button>
-								)}
-							</Group>
-							<UploadList items={items} />
-							<Text size="xs" c="dimmed" mt="xs">
-								Uploads go on while you look at other pages.
-							</Text>
-						</section>
-					)}
-					<VolumeShelf except={recent} />
-				</Stack>
-				<SegmentForm recent={recent} />
-			</div>
-		</Page>
-	);
+  return (
+    <Page title="Upload and segment" lead="Bring a T1 volume after contrast, and if you have it the one before.">
+      <div className={classes.columns}>
+        <Stack gap="md">
+          <DropArea
+            onPicked={(picked) => void take(picked)}
+            limit={info.data ? bytes(info.data.max_upload_bytes) : undefined}
+          />
+          {items.length > 0 && (
+            <section>
+              <Group justify="space-between" mb="xs">
+                <Title order={2}>Uploads</Title>
+                {items.some((item) => item.state === "done") && (
+                  <Button size="compact-sm" variant="subtle" color="gray" onClick={() => uploads.clearDone()}>
+                    Clear finished
+                  </Button>
+                )}
+              </Group>
+              <UploadList items={items} />
+              <Text size="xs" c="dimmed" mt="xs">
+                Uploads go on while you look at other pages.
+              </Text>
+            </section>
+          )}
+          <VolumeShelf except={recent} />
+        </Stack>
+        <SegmentForm recent={recent} />
+      </div>
+    </Page>
+  );
 }

@@ -1,309 +1,279 @@
 import {
-	AmbientLight,
-	Box3,
-	Box3Helper,
-	type BufferGeometry,
-	CanvasTexture,
-	Color,
-	DirectionalLight,
-	DoubleSide,
-	Float32BufferAttribute,
-	Group,
-	HemisphereLight,
-	LineBasicMaterial,
-	LineSegments,
-	Mesh,
-	MeshStandardMaterial,
-	PerspectiveCamera,
-	Scene,
-	Sphere,
-	Sprite,
-	SpriteMaterial,
-	Vector3,
-	WebGLRenderer,
-	WireframeGeometry,
+  AmbientLight,
+  Box3,
+  Box3Helper,
+  type BufferGeometry,
+  CanvasTexture,
+  Color,
+  DirectionalLight,
+  DoubleSide,
+  Float32BufferAttribute,
+  Group,
+  HemisphereLight,
+  LineBasicMaterial,
+  LineSegments,
+  Mesh,
+  MeshStandardMaterial,
+  PerspectiveCamera,
+  Scene,
+  Sphere,
+  Sprite,
+  SpriteMaterial,
+  Vector3,
+  WebGLRenderer,
+  WireframeGeometry,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { PLYLoader } from "three/examples/jsm/loaders/PLYLoader.js";
 
 export interface SurfaceSource {
-	id: number;
-	content: ArrayBuffer;
-	color: string;
+  id: number;
+  content: ArrayBuffer;
+  color: string;
 }
 
 interface Surface {
-	mesh: Mesh<BufferGeometry, MeshStandardMaterial>;
-	edges: LineSegments<WireframeGeometry, LineBasicMaterial> | null;
-	color: Color;
+  mesh: Mesh<BufferGeometry, MeshStandardMaterial>;
+  edges: LineSegments<WireframeGeometry, LineBasicMaterial> | null;
+  color: Color;
 }
 
 const DIRECTIONS: readonly [string, Vector3][] = [
-	["R", new Vector3(1, 0, 0)],
-	["L", new Vector3(-1, 0, 0)],
-	["A", new Vector3(0, 1, 0)],
-	["P", new Vector3(0, -1, 0)],
-	["S", new Vector3(0, 0, 1)],
-	["I", new Vector3(0, 0, -1)],
+  ["R", new Vector3(1, 0, 0)],
+  ["L", new Vector3(-1, 0, 0)],
+  ["A", new Vector3(0, 1, 0)],
+  ["P", new Vector3(0, -1, 0)],
+  ["S", new Vector3(0, 0, 1)],
+  ["I", new Vector3(0, 0, -1)],
 ];
 
 /** Surfaces in space, in the frame they come in (RAS mm): up is the patient's head. Draws only when something moved. */
 export class SurfaceCanvas {
-	readonly canvas: HTMLCanvasElement;
-	readonly #renderer: WebGLRenderer;
-	readonly #scene = new Scene();
-	readonly #camera = new PerspectiveCamera(32, 1, 1, 4000);
-	readonly #controls: OrbitControls;
-	readonly #surfaces = new Map<number, Surface>();
-	readonly #frame = new Group();
-	readonly #resize: ResizeObserver;
-	#drawing = 0;
-	#edges = false;
-	#chosen: number | null = null;
+  readonly canvas: HTMLCanvasElement;
+  readonly #renderer: WebGLRenderer;
+  readonly #scene = new Scene();
+  readonly #camera = new PerspectiveCamera(32, 1, 1, 4000);
+  readonly #controls: OrbitControls;
+  readonly #surfaces = new Map<number, Surface>();
+  readonly #frame = new Group();
+  readonly #resize: ResizeObserver;
+  #drawing = 0;
+  #edges = false;
+  #chosen: number | null = null;
 
-	constructor(parent: HTMLElement) {
-		this.canvas = document.createElement("canvas");
-		this.canvas.tabIndex = 0;
-		this.canvas.setAttribute("role", "img");
-		parent.append(this.canvas);
-		this.#renderer = new WebGLRenderer({
-			canvas: this.canvas,
-			antialias: true,
-		});
-		this.#renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
-		this.#renderer.setClearColor("#000000");
-		this.#camera.up.set(0, 0, 1);
-		const light = new DirectionalLight("#ffffff", 2.1);
-		light.position.set(0.4, 0.7, 1);
-		this.#camera.add(light);
-		this.#scene.add(
-			this.#camera,
-			new HemisphereLight("#dfeeee", "#3a4a50", 1.1),
-			new AmbientLight("#ffffff", 0.25),
-			this.#frame,
-		);
-		this.#controls = new OrbitControls(this.#camera, this.canvas);
-		this.#controls.addEventListener("change", this.draw);
-		this.canvas.addEventListener("keydown", this.#key);
-		this.#resize = new ResizeObserver(() => this.#fitSize(parent));
-		this.#resize.observe(parent);
-		this.#fitSize(parent);
-	}
+  constructor(parent: HTMLElement) {
+    this.canvas = document.createElement("canvas");
+    this.canvas.tabIndex = 0;
+    this.canvas.setAttribute("role", "img");
+    parent.append(this.canvas);
+    this.#renderer = new WebGLRenderer({
+      canvas: this.canvas,
+      antialias: true,
+    });
+    this.#renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.#renderer.setClearColor("#000000");
+    this.#camera.up.set(0, 0, 1);
+    const light = new DirectionalLight("#ffffff", 2.1);
+    light.position.set(0.4, 0.7, 1);
+    this.#camera.add(light);
+    this.#scene.add(
+      this.#camera,
+      new HemisphereLight("#dfeeee", "#3a4a50", 1.1),
+      new AmbientLight("#ffffff", 0.25),
+      this.#frame,
+    );
+    this.#controls = new OrbitControls(this.#camera, this.canvas);
+    this.#controls.addEventListener("change", this.draw);
+    this.canvas.addEventListener("keydown", this.#key);
+    this.#resize = new ResizeObserver(() => this.#fitSize(parent));
+    this.#resize.observe(parent);
+    this.#fitSize(parent);
+  }
 
-	add({ id, content, color }: SurfaceSource): void {
-		const geometry = new PLYLoader().parse(content);
-		const position = geometry.getAttribute("position");
-		// Surfaces are written in double precision, which graphics cards don't take.
-		geometry.setAttribute(
-			"position",
-			new Float32BufferAttribute(new Float32Array(position.array), 3),
-		);
-		geometry.computeVertexNormals();
-		const material = new MeshStandardMaterial({
-			color,
-			roughness: 0.5,
-			metalness: 0.02,
-			side: DoubleSide,
-		});
-		const mesh = new Mesh(geometry, material);
-		this.#scene.add(mesh);
-		this.#surfaces.set(id, { mesh, edges: null, color: new Color(color) });
-		this.#restyle();
-	}
+  add({ id, content, color }: SurfaceSource): void {
+    const geometry = new PLYLoader().parse(content);
+    const position = geometry.getAttribute("position");
+    // Surfaces are written in double precision, which graphics cards don't take.
+    geometry.setAttribute("position", new Float32BufferAttribute(new Float32Array(position.array), 3));
+    geometry.computeVertexNormals();
+    const material = new MeshStandardMaterial({
+      color,
+      roughness: 0.5,
+      metalness: 0.02,
+      side: DoubleSide,
+    });
+    const mesh = new Mesh(geometry, material);
+    this.#scene.add(mesh);
+    this.#surfaces.set(id, { mesh, edges: null, color: new Color(color) });
+    this.#restyle();
+  }
 
-	/** Look at everything from the front, a little from the right and above; or at one surface, keeping the direction. */
-	look(id: number | null = null): void {
-		const box = new Box3();
-		for (const [one, { mesh }] of this.#surfaces)
-			if (id === null || id === one) box.expandByObject(mesh);
-		if (box.isEmpty()) return;
-		const { center, radius } = box.getBoundingSphere(new Sphere());
-		const direction =
-			id === null
-				? new Vector3(0.45, 1, 0.4)
-				: new Vector3().subVectors(
-						this.#camera.position,
-						this.#controls.target,
-					);
-		const narrow = Math.min(1, this.#camera.aspect);
-		const distance =
-			(radius * 1.1) / Math.sin((this.#camera.fov * Math.PI) / 360) / narrow;
-		this.#controls.target.copy(center);
-		this.#camera.position
-			.copy(center)
-			.addScaledVector(direction.normalize(), distance);
-		this.#camera.near = distance / 100;
-		this.#camera.far = distance * 20;
-		this.#camera.updateProjectionMatrix();
-		this.#controls.update();
-		this.#letters(box);
-		this.draw();
-	}
+  /** Look at everything from the front, a little from the right and above; or at one surface, keeping the direction. */
+  look(id: number | null = null): void {
+    const box = new Box3();
+    for (const [one, { mesh }] of this.#surfaces) if (id === null || id === one) box.expandByObject(mesh);
+    if (box.isEmpty()) return;
+    const { center, radius } = box.getBoundingSphere(new Sphere());
+    const direction =
+      id === null ? new Vector3(0.45, 1, 0.4) : new Vector3().subVectors(this.#camera.position, this.#controls.target);
+    const narrow = Math.min(1, this.#camera.aspect);
+    const distance = (radius * 1.1) / Math.sin((this.#camera.fov * Math.PI) / 360) / narrow;
+    this.#controls.target.copy(center);
+    this.#camera.position.copy(center).addScaledVector(direction.normalize(), distance);
+    this.#camera.near = distance / 100;
+    this.#camera.far = distance * 20;
+    this.#camera.updateProjectionMatrix();
+    this.#controls.update();
+    this.#letters(box);
+    this.draw();
+  }
 
-	set edges(on: boolean) {
-		this.#edges = on;
-		this.#restyle();
-	}
+  set edges(on: boolean) {
+    this.#edges = on;
+    this.#restyle();
+  }
 
-	/** Bring one surface out by letting the others fade; null shows all alike. */
-	set chosen(id: number | null) {
-		this.#chosen = id;
-		this.#restyle();
-	}
+  /** Bring one surface out by letting the others fade; null shows all alike. */
+  set chosen(id: number | null) {
+    this.#chosen = id;
+    this.#restyle();
+  }
 
-	close(): void {
-		cancelAnimationFrame(this.#drawing);
-		this.#resize.disconnect();
-		this.#controls.dispose();
-		this.canvas.removeEventListener("keydown", this.#key);
-		for (const { mesh, edges } of this.#surfaces.values()) {
-			mesh.geometry.dispose();
-			mesh.material.dispose();
-			edges?.geometry.dispose();
-			edges?.material.dispose();
-		}
-		this.#clearLetters();
-		this.#renderer.dispose();
-		this.#renderer.forceContextLoss();
-		this.canvas.remove();
-	}
+  close(): void {
+    cancelAnimationFrame(this.#drawing);
+    this.#resize.disconnect();
+    this.#controls.dispose();
+    this.canvas.removeEventListener("keydown", this.#key);
+    for (const { mesh, edges } of this.#surfaces.values()) {
+      mesh.geometry.dispose();
+      mesh.material.dispose();
+      edges?.geometry.dispose();
+      edges?.material.dispose();
+    }
+    this.#clearLetters();
+    this.#renderer.dispose();
+    this.#renderer.forceContextLoss();
+    this.canvas.remove();
+  }
 
-	draw = (): void => {
-		if (this.#drawing) return;
-		this.#drawing = requestAnimationFrame(() => {
-			this.#drawing = 0;
-			this.#renderer.render(this.#scene, this.#camera);
-		});
-	};
+  draw = (): void => {
+    if (this.#drawing) return;
+    this.#drawing = requestAnimationFrame(() => {
+      this.#drawing = 0;
+      this.#renderer.render(this.#scene, this.#camera);
+    });
+  };
 
-	#restyle(): void {
-		for (const [id, surface] of this.#surfaces) {
-			const faded = this.#chosen !== null && this.#chosen !== id;
-			const { material } = surface.mesh;
-			material.transparent = faded;
-			material.opacity = faded ? 0.28 : 1;
-			material.depthWrite = !faded;
-			material.needsUpdate = true;
-			if (this.#edges && !surface.edges) {
-				const line = new LineBasicMaterial({
-					color: surface.color.clone().multiplyScalar(0.3),
-					transparent: true,
-					opacity: 0.55,
-				});
-				surface.edges = new LineSegments(
-					new WireframeGeometry(surface.mesh.geometry),
-					line,
-				);
-				surface.mesh.add(surface.edges);
-				// Faces step back a little, or their own edges would flicker through them.
-				material.polygonOffset = true;
-				material.polygonOffsetFactor = 1;
-				material.polygonOffsetUnits = 1;
-			}
-			if (surface.edges) surface.edges.visible = this.#edges && !faded;
-		}
-		this.draw();
-	}
+  #restyle(): void {
+    for (const [id, surface] of this.#surfaces) {
+      const faded = this.#chosen !== null && this.#chosen !== id;
+      const { material } = surface.mesh;
+      material.transparent = faded;
+      material.opacity = faded ? 0.28 : 1;
+      material.depthWrite = !faded;
+      material.needsUpdate = true;
+      if (this.#edges && !surface.edges) {
+        const line = new LineBasicMaterial({
+          color: surface.color.clone().multiplyScalar(0.3),
+          transparent: true,
+          opacity: 0.55,
+        });
+        surface.edges = new LineSegments(new WireframeGeometry(surface.mesh.geometry), line);
+        surface.mesh.add(surface.edges);
+        // Faces step back a little, or their own edges would flicker through them.
+        material.polygonOffset = true;
+        material.polygonOffsetFactor = 1;
+        material.polygonOffsetUnits = 1;
+      }
+      if (surface.edges) surface.edges.visible = this.#edges && !faded;
+    }
+    this.draw();
+  }
 
-	/** A thin box around what is seen, with the letters of the six directions. */
-	#letters(box: Box3): void {
-		this.#clearLetters();
-		const size = box.getSize(new Vector3());
-		const center = box.getCenter(new Vector3());
-		const margin = Math.max(size.x, size.y, size.z) * 0.08;
-		this.#frame.add(
-			new Box3Helper(
-				box.clone().expandByScalar(margin * 0.6),
-				new Color("#3a4a4d"),
-			),
-		);
-		for (const [letter, direction] of DIRECTIONS) {
-			const sprite = new Sprite(
-				new SpriteMaterial({ map: letterTexture(letter) }),
-			);
-			sprite.scale.setScalar(margin * 1.5);
-			const reach = size
-				.clone()
-				.multiplyScalar(0.5)
-				.addScalar(margin * 1.5);
-			sprite.position.copy(center).add(direction.clone().multiply(reach));
-			this.#frame.add(sprite);
-		}
-	}
+  /** A thin box around what is seen, with the letters of the six directions. */
+  #letters(box: Box3): void {
+    this.#clearLetters();
+    const size = box.getSize(new Vector3());
+    const center = box.getCenter(new Vector3());
+    const margin = Math.max(size.x, size.y, size.z) * 0.08;
+    this.#frame.add(new Box3Helper(box.clone().expandByScalar(margin * 0.6), new Color("#3a4a4d")));
+    for (const [letter, direction] of DIRECTIONS) {
+      const sprite = new Sprite(new SpriteMaterial({ map: letterTexture(letter) }));
+      sprite.scale.setScalar(margin * 1.5);
+      const reach = size
+        .clone()
+        .multiplyScalar(0.5)
+        .addScalar(margin * 1.5);
+      sprite.position.copy(center).add(direction.clone().multiply(reach));
+      this.#frame.add(sprite);
+    }
+  }
 
-	#clearLetters(): void {
-		for (const child of [...this.#frame.children]) {
-			this.#frame.remove(child);
-			if (child instanceof Sprite) {
-				child.material.map?.dispose();
-				child.material.dispose();
-			} else if (child instanceof Box3Helper) {
-				child.dispose();
-			}
-		}
-	}
+  #clearLetters(): void {
+    for (const child of [...this.#frame.children]) {
+      this.#frame.remove(child);
+      if (child instanceof Sprite) {
+        child.material.map?.dispose();
+        child.material.dispose();
+      } else if (child instanceof Box3Helper) {
+        child.dispose();
+      }
+    }
+  }
 
-	#fitSize(parent: HTMLElement): void {
-		const { clientWidth: width, clientHeight: height } = parent;
-		if (width === 0 || height === 0) return;
-		this.#renderer.setSize(width, height, false);
-		this.#camera.aspect = width / height;
-		this.#camera.updateProjectionMatrix();
-		this.draw();
-	}
+  #fitSize(parent: HTMLElement): void {
+    const { clientWidth: width, clientHeight: height } = parent;
+    if (width === 0 || height === 0) return;
+    this.#renderer.setSize(width, height, false);
+    this.#camera.aspect = width / height;
+    this.#camera.updateProjectionMatrix();
+    this.draw();
+  }
 
-	/** Arrows turn around, plus and minus come nearer and go away, Home looks at everything. */
-	#key = (event: KeyboardEvent) => {
-		const turns: Record<string, [number, number]> = {
-			ArrowLeft: [-0.12, 0],
-			ArrowRight: [0.12, 0],
-			ArrowUp: [0, -0.12],
-			ArrowDown: [0, 0.12],
-		};
-		const zooms: Record<string, number> = { "+": 0.9, "=": 0.9, "-": 1.11 };
-		const turn = turns[event.key];
-		const zoom = zooms[event.key];
-		if (event.key === "Home") {
-			event.preventDefault();
-			this.look();
-			return;
-		}
-		if (!turn && !zoom) return;
-		event.preventDefault();
-		const offset = new Vector3().subVectors(
-			this.#camera.position,
-			this.#controls.target,
-		);
-		if (zoom) offset.multiplyScalar(zoom);
-		if (turn) {
-			const radius = offset.length();
-			const azimuth = Math.atan2(offset.y, offset.x) + turn[0];
-			const polar = Math.min(
-				Math.max(Math.acos(offset.z / radius) + turn[1], 0.05),
-				Math.PI - 0.05,
-			);
-			const { sin, cos } = Math;
-			offset
-				.set(sin(polar) * cos(azimuth), sin(polar) * sin(azimuth), cos(polar))
-				.multiplyScalar(radius);
-		}
-		this.#camera.position.copy(this.#controls.target).add(offset);
-		this.#controls.update();
-		this.draw();
-	};
+  /** Arrows turn around, plus and minus come nearer and go away, Home looks at everything. */
+  #key = (event: KeyboardEvent) => {
+    const turns: Record<string, [number, number]> = {
+      ArrowLeft: [-0.12, 0],
+      ArrowRight: [0.12, 0],
+      ArrowUp: [0, -0.12],
+      ArrowDown: [0, 0.12],
+    };
+    const zooms: Record<string, number> = { "+": 0.9, "=": 0.9, "-": 1.11 };
+    const turn = turns[event.key];
+    const zoom = zooms[event.key];
+    if (event.key === "Home") {
+      event.preventDefault();
+      this.look();
+      return;
+    }
+    if (!turn && !zoom) return;
+    event.preventDefault();
+    const offset = new Vector3().subVectors(this.#camera.position, this.#controls.target);
+    if (zoom) offset.multiplyScalar(zoom);
+    if (turn) {
+      const radius = offset.length();
+      const azimuth = Math.atan2(offset.y, offset.x) + turn[0];
+      const polar = Math.min(Math.max(Math.acos(offset.z / radius) + turn[1], 0.05), Math.PI - 0.05);
+      const { sin, cos } = Math;
+      offset.set(sin(polar) * cos(azimuth), sin(polar) * sin(azimuth), cos(polar)).multiplyScalar(radius);
+    }
+    this.#camera.position.copy(this.#controls.target).add(offset);
+    this.#controls.update();
+    this.draw();
+  };
 }
 
 function letterTexture(letter: string): CanvasTexture {
-	const canvas = document.createElement("canvas");
-	canvas.width = 64;
-	canvas.height = 64;
-	const context = canvas.getContext("2d");
-	if (context) {
-		context.fillStyle = "#9fb4b6";
-		context.font = "600 44px system-ui, sans-serif";
-		context.textAlign = "center";
-		context.textBaseline = "middle";
-		context.fillText(letter, 32, 34);
-	}
-	return new CanvasTexture(canvas);
+  const canvas = document.createElement("canvas");
+  canvas.width = 64;
+  canvas.height = 64;
+  const context = canvas.getContext("2d");
+  if (context) {
+    context.fillStyle = "#9fb4b6";
+    context.font = "600 44px system-ui, sans-serif";
+    context.textAlign = "center";
+    context.textBaseline = "middle";
+    context.fillText(letter, 32, 34);
+  }
+  return new CanvasTexture(canvas);
 }

@@ -1,21 +1,21 @@
 import { ActionIcon, Tooltip } from "@mantine/core";
 import { Grid3x3, Maximize } from "lucide-react";
-import { useEffect, useRef, useState } from "react";
+import { useEffect, useEffectEvent, useRef, useState } from "react";
 import { download } from "../download";
 import { ViewerFrame, type ViewerStatus } from "../ViewerFrame";
 import frame from "../viewers.module.css";
 import { SurfaceCanvas } from "./SurfaceCanvas";
 
 export interface SurfaceFile {
-	id: number;
-	url: string;
-	size: number;
-	color: string;
+  id: number;
+  url: string;
+  size: number;
+  color: string;
 }
 
 interface SurfaceViewerProps {
-	surfaces: readonly SurfaceFile[];
-	chosen: number | null;
+  surfaces: readonly SurfaceFile[];
+  chosen: number | null;
 }
 
 /**
@@ -23,102 +23,102 @@ interface SurfaceViewerProps {
  * edges, one color and opacity to each object, and the same code for the meshes of shapes and motions.
  */
 export function SurfaceViewer({ surfaces, chosen }: SurfaceViewerProps) {
-	const parent = useRef<HTMLDivElement>(null);
-	const viewer = useRef<SurfaceCanvas | null>(null);
-	const [status, setStatus] = useState<ViewerStatus>({
-		is: "loading",
-		fraction: 0,
-		what: "Loading the surface…",
-	});
-	const [attempt, setAttempt] = useState(0);
-	const [edges, setEdges] = useState(false);
-	const key = surfaces.map(({ url }) => url).join(" ");
+  const parent = useRef<HTMLDivElement>(null);
+  const viewer = useRef<SurfaceCanvas | null>(null);
+  const [status, setStatus] = useState<ViewerStatus>({
+    is: "loading",
+    fraction: 0,
+    what: "Loading the surface…",
+  });
+  const [attempt, setAttempt] = useState(0);
+  const [edges, setEdges] = useState(false);
+  const files = useEffectEvent(() => surfaces);
+  const key = surfaces.map(({ url }) => url).join(" ");
 
-	useEffect(() => {
-		const element = parent.current;
-		if (!element) return;
-		const controller = new AbortController();
-		let canvas: SurfaceCanvas | null = null;
-		const load = async () => {
-			const tell = (fraction: number) =>
-				setStatus({ is: "loading", fraction, what: "Loading the surface…" });
-			tell(0);
-			canvas = new SurfaceCanvas(element);
-			canvas.canvas.dataset.testid = "surface";
-			canvas.canvas.setAttribute(
-				"aria-label",
-				"The surface in 3D. Arrow keys turn it, plus and minus zoom, Home shows all of it.",
-			);
-			canvas.canvas.addEventListener("webglcontextlost", (event) => {
-				event.preventDefault();
-				if (!controller.signal.aborted) setStatus({ is: "lost" });
-			});
-			const total = surfaces.reduce((sum, { size }) => sum + size, 0) || 1;
-			let before = 0;
-			for (const { id, url, size, color } of surfaces) {
-				const progress = (fraction: number) =>
-					tell((before + fraction * size) / total);
-				const content = await download(url, size, progress, controller.signal);
-				if (controller.signal.aborted) return;
-				canvas.add({ id, content, color });
-				before += size;
-			}
-			viewer.current = canvas;
-			canvas.look();
-			setStatus({ is: "ready" });
-		};
-		load().catch((error: unknown) => {
-			if (!controller.signal.aborted) setStatus({ is: "failed", error });
-		});
-		return () => {
-			controller.abort();
-			viewer.current = null;
-			canvas?.close();
-		};
-	}, [key, attempt]);
+  useEffect(() => {
+    const element = parent.current;
+    if (!element) return;
+    const controller = new AbortController();
+    let canvas: SurfaceCanvas | null = null;
+    const load = async () => {
+      const tell = (fraction: number) => setStatus({ is: "loading", fraction, what: "Loading the surface…" });
+      tell(0);
+      canvas = new SurfaceCanvas(element);
+      canvas.canvas.dataset.testid = "surface";
+      canvas.canvas.setAttribute(
+        "aria-label",
+        "The surface in 3D. Arrow keys turn it, plus and minus zoom, Home shows all of it.",
+      );
+      canvas.canvas.addEventListener("webglcontextlost", (event) => {
+        event.preventDefault();
+        if (!controller.signal.aborted) setStatus({ is: "lost" });
+      });
+      const wanted = files();
+      const total = wanted.reduce((sum, { size }) => sum + size, 0) || 1;
+      let before = 0;
+      for (const { id, url, size, color } of wanted) {
+        const progress = (fraction: number) => tell((before + fraction * size) / total);
+        const content = await download(url, size, progress, controller.signal);
+        if (controller.signal.aborted) return;
+        canvas.add({ id, content, color });
+        before += size;
+      }
+      viewer.current = canvas;
+      canvas.look();
+      setStatus({ is: "ready" });
+    };
+    load().catch((error: unknown) => {
+      if (!controller.signal.aborted) setStatus({ is: "failed", error });
+    });
+    return () => {
+      controller.abort();
+      viewer.current = null;
+      canvas?.close();
+    };
+  }, [key, attempt]);
 
-	const ready = status.is === "ready";
-	useEffect(() => {
-		if (ready && viewer.current) viewer.current.edges = edges;
-	}, [ready, edges]);
-	useEffect(() => {
-		if (!ready || !viewer.current) return;
-		viewer.current.chosen = chosen;
-		if (chosen !== null) viewer.current.look(chosen);
-	}, [ready, chosen]);
+  const ready = status.is === "ready";
+  useEffect(() => {
+    if (ready && viewer.current) viewer.current.edges = edges;
+  }, [ready, edges]);
+  useEffect(() => {
+    if (!ready || !viewer.current) return;
+    viewer.current.chosen = chosen;
+    if (chosen !== null) viewer.current.look(chosen);
+  }, [ready, chosen]);
 
-	return (
-		<ViewerFrame
-			label="Surface"
-			status={status}
-			onRetry={() => setAttempt((before) => before + 1)}
-			tools={
-				<>
-					<Tooltip label="Show the mesh's edges" openDelay={400}>
-						<ActionIcon
-							variant={edges ? "filled" : "default"}
-							size={30}
-							aria-label="Show the mesh's edges"
-							aria-pressed={edges}
-							onClick={() => setEdges(!edges)}
-						>
-							<Grid3x3 size={16} />
-						</ActionIcon>
-					</Tooltip>
-					<Tooltip label="Look at all of it" openDelay={400}>
-						<ActionIcon
-							variant="default"
-							size={30}
-							aria-label="Look at all of it"
-							onClick={() => viewer.current?.look()}
-						>
-							<Maximize size={16} />
-						</ActionIcon>
-					</Tooltip>
-				</>
-			}
-		>
-			<div ref={parent} className={frame.stage} />
-		</ViewerFrame>
-	);
+  return (
+    <ViewerFrame
+      label="Surface"
+      status={status}
+      onRetry={() => setAttempt((before) => before + 1)}
+      tools={
+        <>
+          <Tooltip label="Show the mesh's edges" openDelay={400}>
+            <ActionIcon
+              variant={edges ? "filled" : "default"}
+              size={30}
+              aria-label="Show the mesh's edges"
+              aria-pressed={edges}
+              onClick={() => setEdges(!edges)}
+            >
+              <Grid3x3 size={16} />
+            </ActionIcon>
+          </Tooltip>
+          <Tooltip label="Look at all of it" openDelay={400}>
+            <ActionIcon
+              variant="default"
+              size={30}
+              aria-label="Look at all of it"
+              onClick={() => viewer.current?.look()}
+            >
+              <Maximize size={16} />
+            </ActionIcon>
+          </Tooltip>
+        </>
+      }
+    >
+      <div ref={parent} className={frame.stage} />
+    </ViewerFrame>
+  );
 }

@@ -1,235 +1,209 @@
 import { Niivue, NVImage, SLICE_TYPE } from "@niivue/niivue";
 import { LABELS, rgb } from "../labels";
 
-export type VolumeLayout =
-	| "slices"
-	| "axial"
-	| "coronal"
-	| "sagittal"
-	| "render";
+export type VolumeLayout = "slices" | "axial" | "coronal" | "sagittal" | "render";
 
 /** Where the crosshair is, and what is there. */
 export interface Place {
-	/** RAS, in mm. */
-	mm: [number, number, number];
-	intensity: number | null;
-	label: number;
+  /** RAS, in mm. */
+  mm: [number, number, number];
+  intensity: number | null;
+  label: number;
 }
 
 export interface Display {
-	layout: VolumeLayout;
-	/** Of the labels, in [0, 1]. */
-	opacity: number;
-	/** Only the labels' outlines are drawn on slices. */
-	outline: boolean;
-	/** The patient's left on the right side of the picture, as radiologists look. */
-	radiological: boolean;
-	/** Intensities that are black and white. */
-	window: [number, number];
+  layout: VolumeLayout;
+  /** Of the labels, in [0, 1]. */
+  opacity: number;
+  /** Only the labels' outlines are drawn on slices. */
+  outline: boolean;
+  /** The patient's left on the right side of the picture, as radiologists look. */
+  radiological: boolean;
+  /** Intensities that are black and white. */
+  window: [number, number];
 }
 
 export interface Source {
-	/** With the extension that tells the format. */
-	name: string;
-	content: ArrayBuffer;
+  /** With the extension that tells the format. */
+  name: string;
+  content: ArrayBuffer;
 }
 
 export interface Intensities {
-	/** The darkest and the brightest. */
-	range: [number, number];
-	/** Black and white of a good first picture. */
-	window: [number, number];
+  /** The darkest and the brightest. */
+  range: [number, number];
+  /** Black and white of a good first picture. */
+  window: [number, number];
 }
 
 /** What niivue tells of a place; its own type leaves the argument open. */
 interface Location {
-	mm: ArrayLike<number>;
-	values: { value: number }[];
+  mm: ArrayLike<number>;
+  values: { value: number }[];
 }
 
 const TYPES = {
-	axial: SLICE_TYPE.AXIAL,
-	coronal: SLICE_TYPE.CORONAL,
-	sagittal: SLICE_TYPE.SAGITTAL,
-	render: SLICE_TYPE.RENDER,
+  axial: SLICE_TYPE.AXIAL,
+  coronal: SLICE_TYPE.CORONAL,
+  sagittal: SLICE_TYPE.SAGITTAL,
+  render: SLICE_TYPE.RENDER,
 } as const;
 
 /** Axial large, as it is read first; the others beside it. Each: left, top, width, height. */
 const SLICES: Niivue["customLayout"] = [
-	{ sliceType: SLICE_TYPE.AXIAL, position: [0, 0, 0.58, 1] },
-	{ sliceType: SLICE_TYPE.CORONAL, position: [0.58, 0, 0.42, 0.5] },
-	{ sliceType: SLICE_TYPE.SAGITTAL, position: [0.58, 0.5, 0.42, 0.5] },
+  { sliceType: SLICE_TYPE.AXIAL, position: [0, 0, 0.58, 1] },
+  { sliceType: SLICE_TYPE.CORONAL, position: [0.58, 0, 0.42, 0.5] },
+  { sliceType: SLICE_TYPE.SAGITTAL, position: [0.58, 0.5, 0.42, 0.5] },
 ];
 
 /** niivue behind the few things that the page wants of it; the volume in the frame RAS mm, as everywhere. */
 export class VolumeCanvas {
-	readonly canvas: HTMLCanvasElement;
-	readonly #viewer: Niivue;
-	#closed = false;
-	#shown: Display | null = null;
+  readonly canvas: HTMLCanvasElement;
+  readonly #viewer: Niivue;
+  #closed = false;
+  #shown: Display | null = null;
 
-	constructor(parent: HTMLElement, onPlace: (place: Place) => void) {
-		this.canvas = document.createElement("canvas");
-		this.canvas.tabIndex = 0;
-		this.canvas.setAttribute("role", "img");
-		parent.append(this.canvas);
-		this.#viewer = new Niivue({
-			backColor: [0, 0, 0, 1],
-			crosshairColor: [0.5, 0.78, 0.75, 0.55],
-			crosshairWidth: 0.35,
-			crosshairGap: 14,
-			fontColor: [0.81, 0.87, 0.87, 1],
-			fontMinPx: 12,
-			fontSizeScaling: 0.35,
-			isSliceMM: true,
-			isOrientCube: false,
-			isColorbar: false,
-			multiplanarPadPixels: 6,
-			show3Dcrosshair: true,
-			dragAndDropEnabled: false,
-			scrollRequiresFocus: true,
-			// Its single keys would change the layout behind the page's back.
-			viewModeHotKey: "",
-			clipPlaneHotKey: "",
-			cycleClipPlaneHotKey: "",
-			logLevel: "error",
-			loadingText: "",
-		});
-		this.#viewer.onLocationChange = (location) =>
-			onPlace(placeOf(location as Location));
-		this.canvas.addEventListener("keydown", this.#key);
-	}
+  constructor(parent: HTMLElement, onPlace: (place: Place) => void) {
+    this.canvas = document.createElement("canvas");
+    this.canvas.tabIndex = 0;
+    this.canvas.setAttribute("role", "img");
+    parent.append(this.canvas);
+    this.#viewer = new Niivue({
+      backColor: [0, 0, 0, 1],
+      crosshairColor: [0.5, 0.78, 0.75, 0.55],
+      crosshairWidth: 0.35,
+      crosshairGap: 14,
+      fontColor: [0.81, 0.87, 0.87, 1],
+      fontMinPx: 12,
+      fontSizeScaling: 0.35,
+      isSliceMM: true,
+      isOrientCube: false,
+      isColorbar: false,
+      multiplanarPadPixels: 6,
+      show3Dcrosshair: true,
+      dragAndDropEnabled: false,
+      scrollRequiresFocus: true,
+      // Its single keys would change the layout behind the page's back.
+      viewModeHotKey: "",
+      clipPlaneHotKey: "",
+      cycleClipPlaneHotKey: "",
+      logLevel: "error",
+      loadingText: "",
+    });
+    this.#viewer.onLocationChange = (location) => onPlace(placeOf(location as Location));
+    this.canvas.addEventListener("keydown", this.#key);
+  }
 
-	/** Draw a volume, with labels over it where there are any; tells the window that it chose, and the intensities. */
-	async open(
-		image: Source,
-		labels: Source | null,
-		display: Omit<Display, "window">,
-	): Promise<Intensities> {
-		const viewer = this.#viewer;
-		await viewer.attachToCanvas(this.canvas);
-		const [base, overlay] = await Promise.all([
-			read(image, "gray"),
-			labels ? read(labels) : null,
-		]);
-		const window: [number, number] = [
-			base.robust_min ?? base.cal_min ?? 0,
-			base.robust_max ?? base.cal_max ?? 1,
-		];
-		const range: [number, number] = [
-			base.global_min ?? window[0],
-			base.global_max ?? window[1],
-		];
-		if (this.#closed) return { range, window };
-		this.#arrange(display);
-		viewer.addVolume(base);
-		if (overlay) {
-			overlay.setColormapLabel(labelColors());
-			overlay.opacity = display.opacity;
-			viewer.addVolume(overlay);
-		}
-		this.#shown = { ...display, window };
-		return { range, window };
-	}
+  /** Draw a volume, with labels over it where there are any; tells the window that it chose, and the intensities. */
+  async open(image: Source, labels: Source | null, display: Omit<Display, "window">): Promise<Intensities> {
+    const viewer = this.#viewer;
+    await viewer.attachToCanvas(this.canvas);
+    const [base, overlay] = await Promise.all([read(image, "gray"), labels ? read(labels) : null]);
+    const window: [number, number] = [base.robust_min ?? base.cal_min ?? 0, base.robust_max ?? base.cal_max ?? 1];
+    const range: [number, number] = [base.global_min ?? window[0], base.global_max ?? window[1]];
+    if (this.#closed) return { range, window };
+    this.#arrange(display);
+    viewer.addVolume(base);
+    if (overlay) {
+      overlay.setColormapLabel(labelColors());
+      overlay.opacity = display.opacity;
+      viewer.addVolume(overlay);
+    }
+    this.#shown = { ...display, window };
+    return { range, window };
+  }
 
-	show(display: Display): void {
-		const viewer = this.#viewer;
-		const [base, overlay] = viewer.volumes;
-		const before = this.#shown;
-		if (!base || before === display) return;
-		this.#shown = display;
-		this.#arrange(display);
-		// Colors are mixed anew for every voxel, which takes a while where the processor does it: only when they change.
-		if (
-			before?.window[0] === display.window[0] &&
-			before.window[1] === display.window[1] &&
-			before.opacity === display.opacity &&
-			before.outline === display.outline
-		) {
-			viewer.drawScene();
-			return;
-		}
-		[base.cal_min, base.cal_max] = display.window;
-		if (overlay) overlay.opacity = display.opacity;
-		viewer.updateGLVolume();
-	}
+  show(display: Display): void {
+    const viewer = this.#viewer;
+    const [base, overlay] = viewer.volumes;
+    const before = this.#shown;
+    if (!base || before === display) return;
+    this.#shown = display;
+    this.#arrange(display);
+    // Colors are mixed anew for every voxel, which takes a while where the processor does it: only when they change.
+    if (
+      before?.window[0] === display.window[0] &&
+      before.window[1] === display.window[1] &&
+      before.opacity === display.opacity &&
+      before.outline === display.outline
+    ) {
+      viewer.drawScene();
+      return;
+    }
+    [base.cal_min, base.cal_max] = display.window;
+    if (overlay) overlay.opacity = display.opacity;
+    viewer.updateGLVolume();
+  }
 
-	#arrange({ layout, radiological, outline }: Omit<Display, "window">): void {
-		const { opts } = this.#viewer;
-		opts.isRadiologicalConvention = radiological;
-		opts.atlasOutline = outline ? 1 : 0;
-		// niivue's own setters draw at once, with half of the settings.
-		if (layout === "slices") {
-			this.#viewer.customLayout = SLICES;
-		} else {
-			this.#viewer.customLayout = [];
-			opts.sliceType = TYPES[layout];
-		}
-	}
+  #arrange({ layout, radiological, outline }: Omit<Display, "window">): void {
+    const { opts } = this.#viewer;
+    opts.isRadiologicalConvention = radiological;
+    opts.atlasOutline = outline ? 1 : 0;
+    // niivue's own setters draw at once, with half of the settings.
+    if (layout === "slices") {
+      this.#viewer.customLayout = SLICES;
+    } else {
+      this.#viewer.customLayout = [];
+      opts.sliceType = TYPES[layout];
+    }
+  }
 
-	/** Move the crosshair to a point given in RAS mm. */
-	goTo([x, y, z]: readonly [number, number, number]): void {
-		const viewer = this.#viewer;
-		if (viewer.volumes.length === 0) return;
-		viewer.scene.crosshairPos = viewer.mm2frac([x, y, z]);
-		viewer.createOnLocationChange();
-		viewer.drawScene();
-	}
+  /** Move the crosshair to a point given in RAS mm. */
+  goTo([x, y, z]: readonly [number, number, number]): void {
+    const viewer = this.#viewer;
+    if (viewer.volumes.length === 0) return;
+    viewer.scene.crosshairPos = viewer.mm2frac([x, y, z]);
+    viewer.createOnLocationChange();
+    viewer.drawScene();
+  }
 
-	close(): void {
-		this.#closed = true;
-		this.canvas.removeEventListener("keydown", this.#key);
-		this.#viewer.cleanup();
-		// A browser keeps a handful of contexts; one that is only forgotten counts until it is collected.
-		this.canvas
-			.getContext("webgl2")
-			?.getExtension("WEBGL_lose_context")
-			?.loseContext();
-		this.canvas.remove();
-	}
+  close(): void {
+    this.#closed = true;
+    this.canvas.removeEventListener("keydown", this.#key);
+    this.#viewer.cleanup();
+    // A browser keeps a handful of contexts; one that is only forgotten counts until it is collected.
+    this.canvas.getContext("webgl2")?.getExtension("WEBGL_lose_context")?.loseContext();
+    this.canvas.remove();
+  }
 
-	/** Arrows move the crosshair in the axial plane, page up and page down through it. */
-	#key = (event: KeyboardEvent) => {
-		const steps: Record<string, [number, number, number]> = {
-			ArrowLeft: [-1, 0, 0],
-			ArrowRight: [1, 0, 0],
-			ArrowDown: [0, -1, 0],
-			ArrowUp: [0, 1, 0],
-			PageDown: [0, 0, -1],
-			PageUp: [0, 0, 1],
-		};
-		const step = steps[event.key];
-		if (!step || event.ctrlKey || event.metaKey || event.altKey) return;
-		event.preventDefault();
-		const [x, y, z] = step;
-		this.#viewer.moveCrosshairInVox(
-			this.#viewer.opts.isRadiologicalConvention ? -x : x,
-			y,
-			z,
-		);
-	};
+  /** Arrows move the crosshair in the axial plane, page up and page down through it. */
+  #key = (event: KeyboardEvent) => {
+    const steps: Record<string, [number, number, number]> = {
+      ArrowLeft: [-1, 0, 0],
+      ArrowRight: [1, 0, 0],
+      ArrowDown: [0, -1, 0],
+      ArrowUp: [0, 1, 0],
+      PageDown: [0, 0, -1],
+      PageUp: [0, 0, 1],
+    };
+    const step = steps[event.key];
+    if (!step || event.ctrlKey || event.metaKey || event.altKey) return;
+    event.preventDefault();
+    const [x, y, z] = step;
+    this.#viewer.moveCrosshairInVox(this.#viewer.opts.isRadiologicalConvention ? -x : x, y, z);
+  };
 }
 
 function read({ name, content }: Source, colormap = ""): Promise<NVImage> {
-	return NVImage.loadFromUrl({ url: name, name, buffer: content, colormap });
+  return NVImage.loadFromUrl({ url: name, name, buffer: content, colormap });
 }
 
 function placeOf({ mm, values }: Location): Place {
-	return {
-		mm: [mm[0] ?? 0, mm[1] ?? 0, mm[2] ?? 0],
-		intensity: values[0]?.value ?? null,
-		label: Math.round(values[1]?.value ?? 0),
-	};
+  return {
+    mm: [mm[0] ?? 0, mm[1] ?? 0, mm[2] ?? 0],
+    intensity: values[0]?.value ?? null,
+    label: Math.round(values[1]?.value ?? 0),
+  };
 }
 
 function labelColors() {
-	const colors = LABELS.map(({ color }) => rgb(color));
-	return {
-		R: [0, ...colors.map(([red]) => red)],
-		G: [0, ...colors.map(([, green]) => green)],
-		B: [0, ...colors.map(([, , blue]) => blue)],
-		A: [0, ...colors.map(() => 255)],
-		I: [0, ...LABELS.map(({ value }) => value)],
-		labels: ["", ...LABELS.map(({ name }) => name)],
-	};
+  const colors = LABELS.map(({ color }) => rgb(color));
+  return {
+    R: [0, ...colors.map(([red]) => red)],
+    G: [0, ...colors.map(([, green]) => green)],
+    B: [0, ...colors.map(([, , blue]) => blue)],
+    A: [0, ...colors.map(() => 255)],
+    I: [0, ...LABELS.map(({ value }) => value)],
+    labels: ["", ...LABELS.map(({ name }) => name)],
+  };
 }

@@ -1,160 +1,140 @@
 import { SegmentedControl } from "@mantine/core";
-import { useEffect, useRef, useState } from "react";
+import { useEffect, useEffectEvent, useRef, useState } from "react";
 import { anatomical, significant } from "@/format/format";
 import { download } from "../download";
 import { labelName } from "../labels";
 import { ViewerFrame, type ViewerStatus } from "../ViewerFrame";
 import frame from "../viewers.module.css";
 import { DisplayMenu } from "./DisplayMenu";
-import {
-	type Display,
-	type Place,
-	VolumeCanvas,
-	type VolumeLayout,
-} from "./VolumeCanvas";
+import { type Display, type Place, VolumeCanvas, type VolumeLayout } from "./VolumeCanvas";
 
 export interface VolumeFile {
-	url: string;
-	name: string;
-	size: number;
+  url: string;
+  name: string;
+  size: number;
 }
 
 interface VolumeViewerProps {
-	image: VolumeFile;
-	labels: VolumeFile | null;
-	/** Where to look, RAS mm; a new array moves the crosshair. */
-	focus: readonly [number, number, number] | null;
+  image: VolumeFile;
+  labels: VolumeFile | null;
+  /** Where to look, RAS mm; a new array moves the crosshair. */
+  focus: readonly [number, number, number] | null;
 }
 
 const LAYOUTS: { value: VolumeLayout; label: string }[] = [
-	{ value: "slices", label: "Slices" },
-	{ value: "axial", label: "Axial" },
-	{ value: "coronal", label: "Coronal" },
-	{ value: "sagittal", label: "Sagittal" },
-	{ value: "render", label: "3D" },
+  { value: "slices", label: "Slices" },
+  { value: "axial", label: "Axial" },
+  { value: "coronal", label: "Coronal" },
+  { value: "sagittal", label: "Sagittal" },
+  { value: "render", label: "3D" },
 ];
 
 /** A volume in slices or as a whole, with labels over it. */
 export function VolumeViewer({ image, labels, focus }: VolumeViewerProps) {
-	const parent = useRef<HTMLDivElement>(null);
-	const viewer = useRef<VolumeCanvas | null>(null);
-	const [status, setStatus] = useState<ViewerStatus>({
-		is: "loading",
-		fraction: 0,
-		what: "Loading the volume…",
-	});
-	const [attempt, setAttempt] = useState(0);
-	const [place, setPlace] = useState<Place | null>(null);
-	const [range, setRange] = useState<[number, number]>([0, 1]);
-	const [display, setDisplay] = useState<Display>({
-		layout: "slices",
-		opacity: 0.55,
-		outline: false,
-		radiological: true,
-		window: [0, 1],
-	});
-	const initial = useRef(display);
-	initial.current = display;
-	const change = (part: Partial<Display>) =>
-		setDisplay((before) => ({ ...before, ...part }));
+  const parent = useRef<HTMLDivElement>(null);
+  const viewer = useRef<VolumeCanvas | null>(null);
+  const [status, setStatus] = useState<ViewerStatus>({
+    is: "loading",
+    fraction: 0,
+    what: "Loading the volume…",
+  });
+  const [attempt, setAttempt] = useState(0);
+  const [place, setPlace] = useState<Place | null>(null);
+  const [range, setRange] = useState<[number, number]>([0, 1]);
+  const [display, setDisplay] = useState<Display>({
+    layout: "slices",
+    opacity: 0.55,
+    outline: false,
+    radiological: true,
+    window: [0, 1],
+  });
+  const current = useEffectEvent(() => ({ image, labels, display }));
+  const change = (part: Partial<Display>) => setDisplay((before) => ({ ...before, ...part }));
 
-	useEffect(() => {
-		const element = parent.current;
-		if (!element) return;
-		const controller = new AbortController();
-		setStatus({ is: "loading", fraction: 0, what: "Loading the volume…" });
-		const canvas = new VolumeCanvas(element, setPlace);
-		canvas.canvas.dataset.testid = "volume";
-		canvas.canvas.addEventListener("webglcontextlost", (event) => {
-			event.preventDefault();
-			if (!controller.signal.aborted) setStatus({ is: "lost" });
-		});
-		const load = async () => {
-			const overlay = labels
-				? download(labels.url, labels.size, () => undefined, controller.signal)
-				: null;
-			const content = await download(
-				image.url,
-				image.size,
-				(fraction) =>
-					setStatus({ is: "loading", fraction, what: "Loading the volume…" }),
-				controller.signal,
-			);
-			setStatus({ is: "loading", fraction: 1, what: "Drawing…" });
-			const { range: whole, window } = await canvas.open(
-				{ name: image.name, content },
-				labels && overlay
-					? { name: labels.name, content: await overlay }
-					: null,
-				initial.current,
-			);
-			if (controller.signal.aborted) return;
-			setRange(whole);
-			setDisplay((before) => ({ ...before, window }));
-			viewer.current = canvas;
-			setStatus({ is: "ready" });
-		};
-		load().catch((error: unknown) => {
-			if (!controller.signal.aborted) setStatus({ is: "failed", error });
-		});
-		return () => {
-			controller.abort();
-			viewer.current = null;
-			canvas.close();
-		};
-	}, [image.url, labels?.url, attempt]);
+  useEffect(() => {
+    const element = parent.current;
+    if (!element) return;
+    const controller = new AbortController();
+    setStatus({ is: "loading", fraction: 0, what: "Loading the volume…" });
+    const canvas = new VolumeCanvas(element, setPlace);
+    canvas.canvas.dataset.testid = "volume";
+    canvas.canvas.addEventListener("webglcontextlost", (event) => {
+      event.preventDefault();
+      if (!controller.signal.aborted) setStatus({ is: "lost" });
+    });
+    const load = async () => {
+      const { image, labels, display } = current();
+      const overlay = labels ? download(labels.url, labels.size, () => undefined, controller.signal) : null;
+      const content = await download(
+        image.url,
+        image.size,
+        (fraction) => setStatus({ is: "loading", fraction, what: "Loading the volume…" }),
+        controller.signal,
+      );
+      setStatus({ is: "loading", fraction: 1, what: "Drawing…" });
+      const { range: whole, window } = await canvas.open(
+        { name: image.name, content },
+        labels && overlay ? { name: labels.name, content: await overlay } : null,
+        display,
+      );
+      if (controller.signal.aborted) return;
+      setRange(whole);
+      setDisplay((before) => ({ ...before, window }));
+      viewer.current = canvas;
+      setStatus({ is: "ready" });
+    };
+    load().catch((error: unknown) => {
+      if (!controller.signal.aborted) setStatus({ is: "failed", error });
+    });
+    return () => {
+      controller.abort();
+      viewer.current = null;
+      canvas.close();
+    };
+  }, [image.url, labels?.url, attempt]);
 
-	const ready = status.is === "ready";
-	useEffect(() => {
-		if (ready) viewer.current?.show(display);
-	}, [ready, display]);
-	useEffect(() => {
-		if (ready && focus) viewer.current?.goTo(focus);
-	}, [ready, focus]);
-	useEffect(() => {
-		if (!ready) return;
-		viewer.current?.canvas.setAttribute(
-			"aria-label",
-			`${display.layout === "render" ? "The volume in 3D" : `Slices, ${display.layout}`}. ` +
-				"Arrow keys and page up and down move the crosshair.",
-		);
-	}, [ready, display.layout]);
+  const ready = status.is === "ready";
+  useEffect(() => {
+    if (ready) viewer.current?.show(display);
+  }, [ready, display]);
+  useEffect(() => {
+    if (ready && focus) viewer.current?.goTo(focus);
+  }, [ready, focus]);
+  useEffect(() => {
+    if (!ready) return;
+    viewer.current?.canvas.setAttribute(
+      "aria-label",
+      `${display.layout === "render" ? "The volume in 3D" : `Slices, ${display.layout}`}. ` +
+        "Arrow keys and page up and down move the crosshair.",
+    );
+  }, [ready, display.layout]);
 
-	return (
-		<ViewerFrame
-			label="Volume"
-			status={status}
-			onRetry={() => setAttempt((before) => before + 1)}
-			tools={
-				<>
-					<SegmentedControl
-						size="xs"
-						aria-label="View"
-						data={LAYOUTS}
-						value={display.layout}
-						onChange={(value) => change({ layout: value as VolumeLayout })}
-					/>
-					<DisplayMenu
-						display={display}
-						range={range}
-						hasLabels={labels !== null}
-						onChange={change}
-					/>
-				</>
-			}
-		>
-			<div ref={parent} className={frame.stage} />
-			{place && ready && (
-				<div className={frame.readout} data-testid="place">
-					{anatomical(place.mm)}
-					{place.intensity === null
-						? ""
-						: `   ${significant(place.intensity, 4)}`}
-					{place.label > 0
-						? `   ${labelName(place.label) ?? `label ${place.label}`}`
-						: ""}
-				</div>
-			)}
-		</ViewerFrame>
-	);
+  return (
+    <ViewerFrame
+      label="Volume"
+      status={status}
+      onRetry={() => setAttempt((before) => before + 1)}
+      tools={
+        <>
+          <SegmentedControl
+            size="xs"
+            aria-label="View"
+            data={LAYOUTS}
+            value={display.layout}
+            onChange={(value) => change({ layout: value })}
+          />
+          <DisplayMenu display={display} range={range} hasLabels={labels !== null} onChange={change} />
+        </>
+      }
+    >
+      <div ref={parent} className={frame.stage} />
+      {place && ready && (
+        <div className={frame.readout} data-testid="place">
+          {anatomical(place.mm)}
+          {place.intensity === null ? "" : `   ${significant(place.intensity, 4)}`}
+          {place.label > 0 ? `   ${labelName(place.label) ?? `label ${place.label}`}` : ""}
+        </div>
+      )}
+    </ViewerFrame>
+  );
 }

@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
-# Build the dashboard into the folder that the gateway serves.
-# usage: build_dashboard.sh PYTHON   (an interpreter with pip, into which Node.js is installed if the system's is too old)
+# Run scripts of the dashboard's package.json, by default `build`: into the folder that the gateway serves.
+# usage: dashboard.sh PYTHON [SCRIPT…]   (an interpreter with pip, into which Node.js is installed if the system's is too old)
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 python=$1
+shift
 case $python in /*) ;; *) python=$PWD/$python ;; esac
 
 recent='const [a, b] = process.versions.node.split(".").map(Number); process.exit(a > 22 || (a == 22 && b >= 12) || (a == 20 && b >= 19) ? 0 : 1)'
@@ -17,6 +18,11 @@ else
     npm=(node "$wheel/lib/node_modules/npm/bin/npm-cli.js")
 fi
 cd "$root/services/dashboard"
-echo "building the dashboard with Node.js $(node --version)"
-"${npm[@]}" ci --silent --no-fund --no-audit
-"${npm[@]}" run --silent build
+if [ ! -e node_modules/.ready ] || ! cmp --silent package-lock.json node_modules/.ready; then
+    echo "setting up the dashboard with Node.js $(node --version)"
+    "${npm[@]}" ci --silent --no-fund --no-audit
+    cp package-lock.json node_modules/.ready
+fi
+for script in "${@:-build}"; do
+    "${npm[@]}" run --silent "$script"
+done
