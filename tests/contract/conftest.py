@@ -17,7 +17,8 @@ from shapery_platform.db import Database
 from shapery_platform.jobs import NewArtifact
 from shapery_platform.settings import load_settings
 from shapery_platform.storage import ObjectStore
-from tests.support.gateway import TUS, nifti, served
+from tests.support import shapes as fake
+from tests.support.gateway import TUS, nifti, served, triangle
 from tests.support.redis import redis_server
 
 
@@ -30,7 +31,7 @@ class World:
     ids: dict[str, str]
 
 
-def _populate(url: str, secret: str, database: Database, store: ObjectStore) -> dict[str, str]:
+def _populate(url: str, secret: str, database: Database, store: ObjectStore, folder: Path) -> dict[str, str]:
     with httpx.Client(base_url=url, headers={"X-API-Key": secret}) as client:
         asset = client.post("/v1/assets", files={"file": ("head.nii", nifti())}).json()
         inputs = {"post": asset["id"]}
@@ -47,7 +48,19 @@ def _populate(url: str, secret: str, database: Database, store: ObjectStore) -> 
     with database.session() as session:
         made = [NewArtifact("report.json", blob.sha256, blob.size, "application/json")]
         jobs.succeed(session, claimed.job_id, claimed.lease, {"objects": []}, made)
+    with httpx.Client(base_url=url, headers={"X-API-Key": secret}) as client:
+        mesh = client.post("/v1/assets", files={"file": ("shape.obj", triangle())}).json()
+        request = {"kind": "shape-index", "inputs": {"mesh": mesh["id"]}, "params": {"collection": "bones"}}
+        indexing = client.post("/v1/jobs", json=request).json()
+    with database.session() as session:
+        claimed = jobs.claim(session, UUID(indexing["id"]), "test")
+    assert claimed is not None
+    assert fake.publish(database, store, claimed, folder, 1)
+    with httpx.Client(base_url=url, headers={"X-API-Key": secret}) as client:
+        (shape,) = client.get("/v1/shapes").json()["items"]
     return {
+        "shape_id": shape["id"],
+        "collection_id": shape["collection_id"],
         "asset_id": asset["id"],
         "job_id": job["id"],
         "batch_id": batch["id"],
@@ -68,5 +81,5 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
         _, secret = keys.create(session, "contract", list(Scope), owner="ann")
     with redis_server() as redis, served(settings.model_copy(update={"redis_url": redis.url})) as url:
         store = ObjectStore.from_settings(settings, database)
-        yield World(url, secret, _populate(url, secret, database, store))
+        yield World(url, secret, _populate(url, secret, database, store, home / "out"))
     database.dispose()

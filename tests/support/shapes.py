@@ -16,6 +16,7 @@ from shapery_platform import publication
 from shapery_platform.db import Database
 from shapery_platform.jobs import ClaimedJob, NewArtifact
 from shapery_platform.storage import ObjectStore
+from shapery_worker.publishing import media_type
 
 MESH = FileFormat(kind=AssetKind.MESH, format="obj", media_type="model/obj", extension=".obj")
 
@@ -81,7 +82,7 @@ def publish(database: Database, store: ObjectStore, job: ClaimedJob, folder: Pat
     artifacts = []
     for name, data in files(seed).items():
         blob = store.put_bytes(data)
-        artifacts.append(NewArtifact(name, blob.sha256, blob.size))
+        artifacts.append(NewArtifact(name, blob.sha256, blob.size, media_type(name)))
     with database.session() as session:
         return publication.succeed(session, job, said, artifacts, shape)
 

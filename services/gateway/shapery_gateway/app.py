@@ -16,6 +16,7 @@ from shapery_gateway import __version__, openapi, problems
 from shapery_gateway.assets.routes import router as assets
 from shapery_gateway.backend import Backend
 from shapery_gateway.batches.routes import router as batches
+from shapery_gateway.collections.routes import router as collections
 from shapery_gateway.dashboard.routes import serve_dashboard
 from shapery_gateway.health.routes import router as health
 from shapery_gateway.jobs.routes import router as jobs
@@ -26,6 +27,7 @@ from shapery_gateway.middleware.limits import BodyLimitMiddleware
 from shapery_gateway.middleware.trust import LOOPBACK_HOSTS, TrustMiddleware, host_name
 from shapery_gateway.middleware.tus import TusMiddleware
 from shapery_gateway.reference.routes import router as reference
+from shapery_gateway.shapes.routes import router as shapes
 from shapery_gateway.uploads.routes import PREFIX as UPLOADS
 from shapery_gateway.uploads.routes import router as uploads
 from shapery_platform.settings import Settings, load_plugins
@@ -87,7 +89,7 @@ def create_app(settings: Settings) -> FastAPI:
     )
     app.state.settings = settings
     problems.install(app)
-    routers = (health, kinds, uploads, assets, jobs, batches, keys, reference)
+    routers = (health, kinds, uploads, assets, jobs, batches, collections, shapes, keys, reference)
     for router in routers:
         app.include_router(router)
     app.state.api_routes = [route for router in routers for route in router.routes]

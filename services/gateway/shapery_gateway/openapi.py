@@ -33,6 +33,7 @@ TAGS = [
     {"name": "uploads", "description": "Resumable uploads: tus 1.0."},
     {"name": "jobs", "description": "Work on assets: its state, its progress, its results."},
     {"name": "batches", "description": "Many jobs of one kind, asked for at once."},
+    {"name": "shapes", "description": "The shape database: indexed meshes, which searches find."},
     {"name": "keys", "description": "API keys."},
     {"name": "server", "description": "What this server offers, and its limits."},
     {"name": "health", "description": "For probes and for Prometheus."},

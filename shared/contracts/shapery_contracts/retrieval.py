@@ -17,7 +17,10 @@ VECTOR_DIMENSION = 256
 
 DEFAULT_COLLECTION = "default"
 
-Labels = dict[Annotated[str, Field(min_length=1, max_length=64)], Annotated[str, Field(max_length=256)]]
+Labels = dict[
+    Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[^:]+$")], Annotated[str, Field(max_length=256)]
+]
+"""Names and values; a name has no colon, so that ``name:value`` is a label in an address or on a command line."""
 CollectionName = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^\S(.*\S)?$")]
 ShapeName = Annotated[str, Field(max_length=255)]
 Region = Annotated[list[Annotated[int, Field(ge=0)]], Field(min_length=1, max_length=5_000_000)]

@@ -74,6 +74,11 @@ def list_shapes(
     return cut_page(rows, limit, lambda shape: shape.id)
 
 
+def outdated(session: Session, owner: str, collection_id: UUID, limit: int) -> list[tuple[UUID, UUID]]:
+    """Return shapes of a collection that an older version has indexed, with their assets where they still exist."""
+    return [(row.id, row.asset_id) for row in repository.outdated(session, owner, collection_id, INDEX_VERSION, limit)]
+
+
 def update(session: Session, owner: str, shape_id: UUID, request: ShapeUpdate) -> Shape:
     """Change what the request names.
 

@@ -21,6 +21,7 @@ from shapery_platform.db import Database
 from shapery_platform.jobs import NewArtifact
 from shapery_platform.settings import Settings, load_settings
 from shapery_platform.storage import ObjectStore
+from tests.support import shapes as fake
 from tests.support.gateway import nifti, served
 from tests.support.postgres import PostgresServer, postgres_server
 from tests.support.s3 import S3Server, s3_server
@@ -128,6 +129,13 @@ class Platform:
             made.append(NewArtifact(name, blob.sha256, blob.size, media_type))
         with self.database.session() as session:
             assert jobs.succeed(session, UUID(job_id), lease, {"objects": []}, made)
+
+    def index(self, job_id: str, seed: int = 1, **said: Any) -> None:
+        """End a ``shape-index`` job, queued until now, with a shape."""
+        with self.database.session() as session:
+            job = jobs.claim(session, UUID(job_id), "test")
+        assert job is not None
+        assert fake.publish(self.database, self.store, job, self.settings.home / f"out-{job_id}", seed, **said)
 
     def fail(self, job_id: str) -> None:
         """End a job, queued until now, with a failure."""

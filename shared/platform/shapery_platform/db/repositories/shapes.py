@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 from uuid import UUID
 
-from sqlalchemy import Select, delete, exists, insert, select, update
+from sqlalchemy import Row, Select, delete, exists, insert, select, update
 from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session
 
@@ -68,6 +68,24 @@ def narrowed(collection_id: UUID | None, labels: Mapping[str, str]) -> list[Any]
         for name, value in sorted(labels.items())
     ]
     return conditions
+
+
+def outdated(
+    session: Session, owner: str, collection_id: UUID, version: int, limit: int
+) -> Sequence[Row[tuple[UUID, UUID]]]:
+    """Return shapes of other index versions with their assets, as far as those are not deleted."""
+    return session.execute(
+        select(Shape.id, Shape.asset_id)
+        .join(Asset, Asset.id == Shape.asset_id)
+        .where(
+            Shape.collection_id == collection_id,
+            Shape.owner == owner,
+            Shape.index_version != version,
+            Asset.deleted_at.is_(None),
+        )
+        .order_by(Shape.id)
+        .limit(limit)
+    ).all()
 
 
 def current_of_content(session: Session, owner: str, sha256: str, version: int) -> UUID | None:

@@ -1,0 +1,155 @@
+"""``/v1/shapes``."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+from uuid import UUID
+
+from fastapi import APIRouter, Query, Request, Response
+
+from shapery_contracts.api import JobView, Page
+from shapery_contracts.shapes import ShapeDetail, ShapeUpdate, ShapeView
+from shapery_gateway.dependencies import BackendDep, Cursor, Limit, Reader, ReadSession, Writer, WriteSession
+from shapery_gateway.http.content import content_response
+from shapery_gateway.http.documentation import CONTENT_PARAMETERS, CONTENT_PROBLEMS, CONTENT_RESPONSES
+from shapery_gateway.openapi import COMMON_PROBLEMS, problems
+from shapery_gateway.shapes import service
+from shapery_platform.shapes import COMPONENTS, MESH, PREVIEW
+
+router = APIRouter(prefix="/v1/shapes", tags=["shapes"])
+
+_JOB: dict[str, Any] = {"Location": {"description": "The job's address.", "schema": {"type": "string"}}}
+_CONTENT = {**CONTENT_RESPONSES, **problems(*COMMON_PROBLEMS, *CONTENT_PROBLEMS)}
+_PARAMETERS = {"parameters": CONTENT_PARAMETERS}
+
+
+@router.get(
+    "", operation_id="listShapes", summary="List your shapes", responses=problems(*COMMON_PROBLEMS, "not_found")
+)
+def list_shapes(
+    session: ReadSession,
+    caller: Reader,
+    cursor: Cursor = None,
+    limit: Limit = 50,
+    collection: Annotated[
+        str | None, Query(min_length=1, max_length=200, description="Only shapes of the collection of this name.")
+    ] = None,
+    label: Annotated[
+        list[str], Query(max_length=16, description="Only shapes with this label, as `name:value`; all, where several.")
+    ] = [],  # noqa: B006 (FastAPI copies it)
+    name: Annotated[
+        str | None, Query(min_length=1, max_length=255, description="Only shapes with this text in their name.")
+    ] = None,
+    outdated: Annotated[
+        bool, Query(description="Only shapes that an older version has indexed, which searches do not see.")
+    ] = False,
+) -> Page[ShapeView]:
+    """Newest first."""
+    return service.list_shapes(session, caller, cursor, limit, collection, label, name, outdated=outdated)
+
+
+@router.get(
+    "/{shape_id}",
+    operation_id="getShape",
+    summary="What a shape is",
+    responses=problems(*COMMON_PROBLEMS, "not_found"),
+)
+def get_shape(session: ReadSession, caller: Reader, shape_id: UUID) -> ShapeDetail:
+    """Where it belongs, what its mesh is like, what was done to it before it was analysed, and its levels of parts."""
+    return service.get(session, caller, shape_id)
+
+
+@router.patch(
+    "/{shape_id}",
+    operation_id="updateShape",
+    summary="Change a shape",
+    responses=problems(*COMMON_PROBLEMS, "bad_request", "not_found"),
+)
+def update_shape(session: WriteSession, caller: Writer, shape_id: UUID, request: ShapeUpdate) -> ShapeDetail:
+    """Its name, collection, labels or metadata; what the request leaves out stays as it is."""
+    return service.update(session, caller, shape_id, request)
+
+
+@router.delete(
+    "/{shape_id}",
+    operation_id="deleteShape",
+    summary="Delete a shape",
+    status_code=204,
+    responses=problems(*COMMON_PROBLEMS, "not_found"),
+)
+def delete_shape(session: WriteSession, caller: Writer, shape_id: UUID) -> Response:
+    """No search finds it any more. The mesh that it was made of stays."""
+    service.delete(session, caller, shape_id)
+    return Response(status_code=204)
+
+
+@router.post(
+    "/{shape_id}/reindex",
+    operation_id="reindexShape",
+    summary="Index a shape again",
+    status_code=202,
+    responses={202: {"headers": _JOB}, **problems(*COMMON_PROBLEMS, "not_found", "input_expired")},
+)
+def reindex_shape(
+    backend: BackendDep, session: WriteSession, caller: Writer, shape_id: UUID, response: Response
+) -> JobView:
+    """Queue a job that replaces it as a whole; until its end the old one is shown."""
+    job = service.reindex(session, backend, caller, shape_id)
+    response.headers["Location"] = f"/v1/jobs/{job.id}"
+    return job
+
+
+@router.get(
+    "/{shape_id}/arg",
+    operation_id="getShapeGraph",
+    summary="A shape's attributed relational graph",
+    response_class=Response,
+    openapi_extra=_PARAMETERS,
+    responses=_CONTENT,
+)
+@router.head("/{shape_id}/arg", response_class=Response, include_in_schema=False)
+def get_shape_graph(backend: BackendDep, caller: Reader, request: Request, shape_id: UUID) -> Response:
+    """In the binary form that is described beside this interface's schema."""
+    return content_response(request, service.graph(backend, caller, shape_id))
+
+
+@router.get(
+    "/{shape_id}/mesh.glb",
+    operation_id="getShapeMesh",
+    summary="A shape's mesh for viewers",
+    response_class=Response,
+    openapi_extra=_PARAMETERS,
+    responses=_CONTENT,
+)
+@router.head("/{shape_id}/mesh.glb", response_class=Response, include_in_schema=False)
+def get_shape_mesh(backend: BackendDep, caller: Reader, request: Request, shape_id: UUID) -> Response:
+    """Binary glTF, small enough to be shown; the mesh as it was uploaded is the asset's content."""
+    return content_response(request, service.file(backend, caller, shape_id, MESH))
+
+
+@router.get(
+    "/{shape_id}/preview.png",
+    operation_id="getShapePreview",
+    summary="A shape's picture",
+    response_class=Response,
+    openapi_extra=_PARAMETERS,
+    responses=_CONTENT,
+)
+@router.head("/{shape_id}/preview.png", response_class=Response, include_in_schema=False)
+def get_shape_preview(backend: BackendDep, caller: Reader, request: Request, shape_id: UUID) -> Response:
+    """For lists and results."""
+    return content_response(request, service.file(backend, caller, shape_id, PREVIEW))
+
+
+@router.get(
+    "/{shape_id}/components",
+    operation_id="getShapeComponents",
+    summary="A shape's parts, level by level",
+    response_class=Response,
+    openapi_extra=_PARAMETERS,
+    responses=_CONTENT,
+)
+@router.head("/{shape_id}/components", response_class=Response, include_in_schema=False)
+def get_shape_components(backend: BackendDep, caller: Reader, request: Request, shape_id: UUID) -> Response:
+    """JSON: for each level the part of every vertex of `mesh.glb`, so that matched parts can be colored alike."""
+    return content_response(request, service.file(backend, caller, shape_id, COMPONENTS))
