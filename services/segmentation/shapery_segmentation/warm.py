@@ -23,6 +23,7 @@ def warm() -> None:
     from shapery_segmentation.pipeline import segment
     from shapery_segmentation.report import write_outputs
 
+    _warm_vessels()
     spacing = 3.0
     phantom = head_phantom(
         np.random.default_rng(1), (54, 64, 54), (spacing,) * 3, tumors=[TumorSpec(radius=18.0, rim=7.0)], noise=0.01
@@ -37,6 +38,16 @@ def warm() -> None:
         fine = Volume(np.repeat(np.repeat(np.repeat(post.data, 3, 0), 3, 1), 3, 2), _thirds(post.affine))
         before = Volume(np.repeat(np.repeat(np.repeat(pre.data, 3, 0), 3, 1), 3, 2), fine.affine)
         segment(Volume(fine.data.astype(np.float32), fine.affine), before, params=params)
+
+
+def _warm_vessels() -> None:
+    """Run vessels and bleedings on a small tube."""
+    from shapery_segmentation.microhemorrhage import find_microhemorrhages
+    from shapery_segmentation.phantoms.vessels import tube_phantom
+    from shapery_segmentation.vessels import segment_vessels
+
+    volume = tube_phantom(np.random.default_rng(1), (36, 36, 36), radius=2.5).volume
+    find_microhemorrhages(volume, vessels=segment_vessels(volume).mask, polarity="bright")
 
 
 def _thirds(affine: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,0 +1,372 @@
+"""Loops that find the border of vessels: growth with a running threshold, what lies on both sides, offsets from it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+
+NEIGHBOURS = np.array(
+    [(i, j, k) for i in (-1, 0, 1) for j in (-1, 0, 1) for k in (-1, 0, 1) if (i, j, k) != (0, 0, 0)], dtype=np.int64
+)
+
+CLIP = 1.6
+"""Values beyond this multiple of the contrast say nothing about the border: bone, calcium, air."""
+
+
+@njit(cache=True, nogil=True)
+def sample_blocks(blocks: Array, size: float, i: int, j: int, k: int) -> float:
+    """Return the trilinear interpolation of values at the centres of cubes of `size` voxels."""
+    a, b, c = blocks.shape
+    x = min(max((i + 0.5) / size - 0.5, 0.0), a - 1.0)
+    y = min(max((j + 0.5) / size - 0.5, 0.0), b - 1.0)
+    z = min(max((k + 0.5) / size - 0.5, 0.0), c - 1.0)
+    p, q, r = int(x), int(y), int(z)
+    p1, q1, r1 = min(p + 1, a - 1), min(q + 1, b - 1), min(r + 1, c - 1)
+    u, v, w = x - p, y - q, z - r
+    return float(
+        (1 - u)
+        * (
+            (1 - v) * ((1 - w) * blocks[p, q, r] + w * blocks[p, q, r1])
+            + v * ((1 - w) * blocks[p, q1, r] + w * blocks[p, q1, r1])
+        )
+        + u
+        * (
+            (1 - v) * ((1 - w) * blocks[p1, q, r] + w * blocks[p1, q, r1])
+            + v * ((1 - w) * blocks[p1, q1, r] + w * blocks[p1, q1, r1])
+        )
+    )
+
+
+@njit(cache=True, nogil=True)
+def grow(
+    values: Array, blocks: Array, size: float, seeds: Array, level: float, least: float, follow: float, most: int,
+    inside: Array, queue: Array, core: Array,
+) -> int:  # fmt: skip
+    """Grow from seeds over voxels that exceed a threshold which follows what has been reached.
+
+    Parameters
+    ----------
+    values : (I, J, K) float32
+        Smoothed; vessels are bright.
+    blocks : (A, B, C) float32
+        The background at the centres of cubes.
+    size : float
+        Voxels along the edge of such a cube.
+    seeds : (n, 3) int64
+    level : float
+        Share of the way from the background to the vessel's own value at which it ends.
+    least : float
+        What must be exceeded above the background in any case.
+    follow : float
+        Share by which the vessel's value follows that of a new voxel's surroundings.
+    most : int
+        Voxels at which to stop.
+    inside : (I, J, K) uint8
+        Receives 1; voxels that are not 0 are not entered.
+    queue : (m, 3) int32
+        Receives the voxels.
+    core : (m,) float32
+        Receives the running value of the vessel at each of them.
+
+    Returns
+    -------
+    int
+        Voxels reached.
+    """
+    ni, nj, nk = values.shape
+    size_now = 0
+    for n in range(seeds.shape[0]):
+        i, j, k = seeds[n]
+        if inside[i, j, k] == 0 and values[i, j, k] - sample_blocks(blocks, size, i, j, k) > least:
+            inside[i, j, k] = 1
+            core[size_now] = _peak(values, i, j, k)
+            queue[size_now] = seeds[n]
+            size_now += 1
+    done = 0
+    while done < size_now and size_now < most:
+        own = core[done]
+        i, j, k = queue[done]
+        done += 1
+        for n in range(26):
+            a, b, c = i + NEIGHBOURS[n, 0], j + NEIGHBOURS[n, 1], k + NEIGHBOURS[n, 2]
+            if a < 0 or b < 0 or c < 0 or a >= ni or b >= nj or c >= nk or inside[a, b, c] != 0:
+                continue
+            ground = sample_blocks(blocks, size, a, b, c)
+            if values[a, b, c] - ground <= max(least, level * (own - ground)):
+                continue
+            if size_now == core.shape[0]:
+                return size_now
+            inside[a, b, c] = 1
+            peak = _peak(values, a, b, c)
+            core[size_now] = own + follow * (peak - own)
+            queue[size_now, 0] = a
+            queue[size_now, 1] = b
+            queue[size_now, 2] = c
+            size_now += 1
+    return size_now
+
+
+@njit(cache=True, nogil=True)
+def _peak(values: Array, i: int, j: int, k: int) -> float:
+    """Return the largest value within two voxels."""
+    most = values[i, j, k]
+    for a in range(max(i - 2, 0), min(i + 3, values.shape[0])):
+        for b in range(max(j - 2, 0), min(j + 3, values.shape[1])):
+            for c in range(max(k - 2, 0), min(k + 3, values.shape[2])):
+                most = max(most, values[a, b, c])
+    return float(most)
+
+
+@njit(cache=True, nogil=True)
+def layers(inside: Array, voxels: Array, reach: int, depth: Array, queue: Array) -> tuple[int, int]:
+    """Write the number of each layer of a region: inwards from 1, outwards from −1, in steps through faces.
+
+    Parameters
+    ----------
+    inside : (I, J, K) uint8
+        1 inside, 0 outside, 2 in neither.
+    voxels : (n, 3) int32
+        Those where it is 1.
+    reach : int
+        Layers to number on the outside.
+    depth : (I, J, K) int8
+        Zero; receives the numbers. Inside they end at 100.
+    queue : (m, 3) int32
+        Receives the voxels numbered, inner ones first.
+
+    Returns
+    -------
+    tuple
+        How many voxels of `queue` lie inside, and how many there are.
+    """
+    ni, nj, nk = inside.shape
+    size = 0
+    for n in range(voxels.shape[0]):
+        i, j, k = voxels[n]
+        border = i == 0 or j == 0 or k == 0 or i == ni - 1 or j == nj - 1 or k == nk - 1
+        if not border:
+            for axis in range(3):
+                for step in (-1, 1):
+                    a, b, c = i + (axis == 0) * step, j + (axis == 1) * step, k + (axis == 2) * step
+                    border = border or inside[a, b, c] != 1
+        if border:
+            depth[i, j, k] = 1
+            queue[size] = voxels[n]
+            size += 1
+    rim = size
+    done = 0
+    while done < size:
+        i, j, k = queue[done]
+        done += 1
+        for axis in range(3):
+            for step in (-1, 1):
+                a, b, c = i + (axis == 0) * step, j + (axis == 1) * step, k + (axis == 2) * step
+                if a < 0 or b < 0 or c < 0 or a >= ni or b >= nj or c >= nk:
+                    continue
+                if inside[a, b, c] == 1 and depth[a, b, c] == 0:
+                    depth[a, b, c] = min(depth[i, j, k] + 1, 100)
+                    queue[size, 0], queue[size, 1], queue[size, 2] = a, b, c
+                    size += 1
+    inner = size
+    # Outwards: the rim is looked at first, then what was added for it.
+    done = 0
+    while done < size:
+        if done == rim:
+            done = inner
+            if done >= size:
+                break
+        i, j, k = queue[done]
+        done += 1
+        here = min(np.int64(depth[i, j, k]), np.int64(0))
+        if here <= -reach:
+            continue
+        for axis in range(3):
+            for step in (-1, 1):
+                a, b, c = i + (axis == 0) * step, j + (axis == 1) * step, k + (axis == 2) * step
+                if a < 0 or b < 0 or c < 0 or a >= ni or b >= nj or c >= nk:
+                    continue
+                if inside[a, b, c] == 0 and depth[a, b, c] == 0 and size < queue.shape[0]:
+                    depth[a, b, c] = here - 1
+                    queue[size, 0], queue[size, 1], queue[size, 2] = a, b, c
+                    size += 1
+    return inner, size
+
+
+@njit(cache=True, nogil=True)
+def gather_sides(
+    values: Array, smoothed: Array, middle: Array, size: float, depth: Array, queue: Array, inner: int, count: int,
+    skip: int, sums: Array,
+) -> None:  # fmt: skip
+    """Add up, in cubes, the values in the middle of vessels and those just outside of them.
+
+    Parameters
+    ----------
+    values, smoothed : (I, J, K) float32
+    middle : (A, B, C) float32
+        Outer voxels above this are left out; a single cube that is infinite: none is.
+    size : float
+        Voxels along the edge of a cube of `middle` and of `sums`.
+    depth, queue, inner, count
+        What `layers` returned.
+    skip : int
+        Layers next to the border that are mixed.
+    sums : (4, A, B, C) float32
+        Receives sum and number inside, sum and number outside.
+    """
+    ni, nj, nk = values.shape
+    for n in range(count):
+        i, j, k = queue[n]
+        d = depth[i, j, k]
+        a, b, c = int(i / size), int(j / size), int(k / size)
+        if n < inner:
+            core = d > skip
+            if not core:
+                # The middle of what is too thin for that.
+                core = True
+                for m in range(26):
+                    p, q, r = i + NEIGHBOURS[m, 0], j + NEIGHBOURS[m, 1], k + NEIGHBOURS[m, 2]
+                    if 0 <= p < ni and 0 <= q < nj and 0 <= r < nk and depth[p, q, r] > d:
+                        core = False
+                        break
+                if core and d == 1:
+                    # One layer only: where the values peak.
+                    core = smoothed[i, j, k] >= _peak_near(smoothed, depth, i, j, k)
+            if core:
+                sums[0, a, b, c] += values[i, j, k]
+                sums[1, a, b, c] += 1.0
+        elif d < -skip and (middle.size == 1 or smoothed[i, j, k] < sample_blocks(middle, size, i, j, k)):
+            sums[2, a, b, c] += values[i, j, k]
+            sums[3, a, b, c] += 1.0
+
+
+@njit(cache=True, nogil=True)
+def _peak_near(values: Array, depth: Array, i: int, j: int, k: int) -> float:
+    most = values[i, j, k]
+    for a in range(max(i - 1, 0), min(i + 2, values.shape[0])):
+        for b in range(max(j - 1, 0), min(j + 2, values.shape[1])):
+            for c in range(max(k - 1, 0), min(k + 2, values.shape[2])):
+                if depth[a, b, c] > 0:
+                    most = max(most, values[a, b, c])
+    # Nearly the largest: the ridge of a thin vessel runs between voxels.
+    return float(0.98 * most)
+
+
+@njit(cache=True, nogil=True)
+def grow_above(
+    values: Array, middle: Array, known: Array, size: float, seeds: Array, inside: Array, queue: Array
+) -> int:
+    """Grow from seeds over voxels that exceed `middle`, where that is known; return how many they are.
+
+    Parameters
+    ----------
+    values : (I, J, K) float32
+    middle, known : (A, B, C) float32, bool
+        In cubes of `size` voxels.
+    seeds : (n, 3) int32
+    inside : (I, J, K) uint8
+        Receives 1; voxels that are not 0 are not entered.
+    queue : (m, 3) int32
+        Receives the voxels.
+    """
+    ni, nj, nk = values.shape
+    count = 0
+    for n in range(seeds.shape[0]):
+        i, j, k = seeds[n]
+        if inside[i, j, k] == 0 and values[i, j, k] > sample_blocks(middle, size, i, j, k) and count < queue.shape[0]:
+            inside[i, j, k] = 1
+            queue[count] = seeds[n]
+            count += 1
+    done = 0
+    while done < count:
+        i, j, k = queue[done]
+        done += 1
+        for n in range(26):
+            a, b, c = i + NEIGHBOURS[n, 0], j + NEIGHBOURS[n, 1], k + NEIGHBOURS[n, 2]
+            if a < 0 or b < 0 or c < 0 or a >= ni or b >= nj or c >= nk or inside[a, b, c] != 0:
+                continue
+            if not known[int(a / size), int(b / size), int(c / size)]:
+                continue
+            if values[a, b, c] > sample_blocks(middle, size, a, b, c) and count < queue.shape[0]:
+                inside[a, b, c] = 1
+                queue[count, 0], queue[count, 1], queue[count, 2] = a, b, c
+                count += 1
+    return count
+
+
+@njit(cache=True, nogil=True)
+def relative(values: Array, inner: Array, outer: Array, size: float, x: float, y: float, z: float) -> float:
+    """Return where between outside (−1) and inside (1) the value at a fractional index lies; −1 outside the grid."""
+    ni, nj, nk = values.shape
+    if x < 0.0 or y < 0.0 or z < 0.0 or x > ni - 1 or y > nj - 1 or z > nk - 1:
+        return -1.0
+    i, j, k = int(x), int(y), int(z)
+    i1, j1, k1 = min(i + 1, ni - 1), min(j + 1, nj - 1), min(k + 1, nk - 1)
+    u, v, w = x - i, y - j, z - k
+    value = (1 - u) * (
+        (1 - v) * ((1 - w) * values[i, j, k] + w * values[i, j, k1])
+        + v * ((1 - w) * values[i, j1, k] + w * values[i, j1, k1])
+    ) + u * (
+        (1 - v) * ((1 - w) * values[i1, j, k] + w * values[i1, j, k1])
+        + v * ((1 - w) * values[i1, j1, k] + w * values[i1, j1, k1])
+    )
+    i, j, k = int(x + 0.5), int(y + 0.5), int(z + 0.5)
+    high, low = sample_blocks(inner, size, i, j, k), sample_blocks(outer, size, i, j, k)
+    half = 0.5 * (high - low)
+    if half <= 0.0:
+        return -1.0
+    return float(min(max((value - 0.5 * (high + low)) / half, -CLIP), CLIP))
+
+
+@njit(cache=True, nogil=True)
+def wall_offsets(
+    points: Array, normals: Array, bend: Array, values: Array, inner: Array, outer: Array, size: float, inverse: Array,
+    reach: float, samples: int, offset: Array,
+) -> None:  # fmt: skip
+    """Write how far along its normal each vertex is from the wall.
+
+    Parameters
+    ----------
+    points, normals : (n, 3) float64
+        RAS mm, outward.
+    bend : (n,) float64
+        Sum of the principal curvatures, 1/mm, positive on a convex surface.
+    values, inner, outer, size
+        See `relative`.
+    inverse : (3, 4) float64
+        From RAS mm to voxel index.
+    reach : float
+        mm looked at before and behind.
+    samples : int
+        Points on each side.
+    offset : (n,) float64
+
+    Notes
+    -----
+    The wall is where as much vessel is missing inside as there is outside of it: ∫(f − s)·(1 + bend·t) dt / 2 = 0 with
+    f between −1 and 1, s its value for a sharp wall at t = 0, and the area of the parallel surface at t as a weight. A
+    symmetric blur only moves what it conserves, so it moves this border less than that of any threshold; and every
+    sample counts, which noise likes less than a single crossing.
+    """
+    step = reach / samples
+    for n in range(points.shape[0]):
+        total = 0.0
+        for s in range(-samples, samples + 1):
+            t = s * step
+            px = points[n, 0] + t * normals[n, 0]
+            py = points[n, 1] + t * normals[n, 1]
+            pz = points[n, 2] + t * normals[n, 2]
+            x = inverse[0, 0] * px + inverse[0, 1] * py + inverse[0, 2] * pz + inverse[0, 3]
+            y = inverse[1, 0] * px + inverse[1, 1] * py + inverse[1, 2] * pz + inverse[1, 3]
+            z = inverse[2, 0] * px + inverse[2, 1] * py + inverse[2, 2] * pz + inverse[2, 3]
+            f = relative(values, inner, outer, size, x, y, z)
+            weight = min(max(1.0 + bend[n] * t, 0.0), 3.0)
+            if s == -samples or s == samples:
+                weight *= 0.5
+            sharp = 1.0 if s < 0 else (-1.0 if s > 0 else 0.0)
+            total += weight * (f - sharp)
+        offset[n] = 0.5 * step * total

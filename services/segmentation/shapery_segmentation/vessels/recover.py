@@ -1,0 +1,330 @@
+"""The vessels of a volume: seeded, tracked, fitted, measured."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import ndimage
+
+from shapery_contracts.errors import InvalidInput
+from shapery_geometry.intersections import self_intersections
+from shapery_geometry.mesh import TriangleMesh
+from shapery_geometry.rasterize import rasterize
+from shapery_geometry.volume import Reorientation, Volume
+from shapery_segmentation.mesh.dynamic_mesh import DynamicMesh
+from shapery_segmentation.seeding.ball import surface_of
+from shapery_segmentation.vessels.border import Border, find_border
+from shapery_segmentation.vessels.centerline import Branch, find_centerlines
+from shapery_segmentation.vessels.evidence import Evidence, gather_evidence
+from shapery_segmentation.vessels.fit import fit_surface
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+EDGE = 0.8
+"""Length of the surface's edges in voxels: a vessel of 1.5 voxels radius still has twelve corners around it."""
+
+LARGEST_SURFACE = 400_000
+"""Vertices at about which edges get longer instead."""
+
+REACH = 12.0
+"""mm around a tumor within which vessels are seeded; once found they are followed as far as they go."""
+
+LARGEST_SHARE, LARGEST_COUNT = 0.25, 20_000_000
+"""Share of the volume, and voxels, that vessels may fill; more has leaked."""
+
+LEAST_VOXELS = 30
+"""Voxels below which a tree is not looked at."""
+
+LEAST_EXTENT = (8.0, 5.0)
+"""A tree is a vessel if it is at least so many voxels, and so many of its mean radii, long."""
+
+LEAST_TREE = 0.004
+"""Volume of a tree, relative to the largest, below which it is left out if no seed was given for it."""
+
+SNAP = 3
+"""Voxels within which a seed that was given moves to the vessel's middle."""
+
+
+@dataclass(frozen=True, eq=False)
+class VesselTree:
+    """One connected vessel.
+
+    Parameters
+    ----------
+    surface
+        Closed, manifold, oriented, without self-intersections, RAS mm.
+    branches
+        See `shapery_segmentation.vessels.centerline.Branch`.
+    volume_mm3
+        Inside the surface.
+    """
+
+    surface: TriangleMesh
+    branches: tuple[Branch, ...]
+    volume_mm3: float
+
+    @property
+    def length_mm(self) -> float:
+        """Sum over the branches."""
+        return sum(branch.length for branch in self.branches)
+
+    @property
+    def forks(self) -> int:
+        """Points where three or more branches meet."""
+        ends = [tuple(np.round(b.points[at], 6)) for b in self.branches for at in (0, -1)]
+        _, counts = np.unique(np.array(ends).reshape(-1, 3), axis=0, return_counts=True)
+        return int(np.count_nonzero(counts > 2))
+
+    @property
+    def mean_radius_mm(self) -> float:
+        """Over the length."""
+        return _weighted([b.radii for b in self.branches], [b.points for b in self.branches])
+
+    @property
+    def radius_range_mm(self) -> tuple[float, float]:
+        """Least and largest."""
+        radii = np.concatenate([b.radii for b in self.branches])
+        return float(radii.min()), float(radii.max())
+
+
+@dataclass(frozen=True, eq=False)
+class Vessels:
+    """What `segment_vessels` found.
+
+    Parameters
+    ----------
+    mask : (I, J, K) bool
+        Voxels inside vessels, on the grid of the volume that was given.
+    trees
+        By falling volume.
+    polarity
+        Whether vessels were taken for bright or for dark.
+    warnings
+        Sentences for the user.
+    """
+
+    mask: BoolArray
+    trees: tuple[VesselTree, ...]
+    polarity: Literal["bright", "dark"]
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def surfaces(self) -> tuple[TriangleMesh, ...]:
+        """One per tree."""
+        return tuple(tree.surface for tree in self.trees)
+
+    @property
+    def branches(self) -> tuple[Branch, ...]:
+        """Of all trees."""
+        return tuple(branch for tree in self.trees for branch in tree.branches)
+
+
+def segment_vessels(
+    volume: Volume,
+    seeds: Sequence[ArrayLike] | None = None,
+    *,
+    around: BoolArray | None = None,
+    polarity: Literal["auto", "bright", "dark"] = "auto",
+    max_trees: int = 16,
+    check_cancelled: Callable[[], None] | None = None,
+) -> Vessels:
+    """Recover the surfaces of blood vessels.
+
+    Parameters
+    ----------
+    volume
+        SWI (veins are dark), MRA, time-of-flight or CTA (arteries are bright); any spacing and orientation.
+    seeds
+        Points (3,) in RAS mm in vessels; found automatically if none are given.
+    around : (I, J, K) bool
+        On the grid of `volume`: seeds are looked for within 12 mm of it, and vessels don't enter it (a tumor). Without
+        it they are looked for everywhere.
+    polarity
+        ``auto``: whichever of bright and dark tubes are stronger in the data.
+    max_trees
+        Connected vessels that are returned at the most; the largest ones.
+    check_cancelled
+        Called several times a second; what it raises ends the work and passes through.
+
+    Returns
+    -------
+    Vessels
+        Without trees, and with a warning, where there are none.
+
+    Raises
+    ------
+    InvalidInput
+        ``invalid_volume`` where all voxels are alike or not finite, ``grid_mismatch`` where `around` has another shape,
+        ``invalid_params`` for seeds outside the volume, ``no_object_found`` where none of the seeds given lies in a
+        vessel.
+
+    Notes
+    -----
+    The result does not depend on the order in which the volume's axes are stored. Memory is about 20 bytes per voxel;
+    time grows with the surface, but for one look at every voxel.
+
+    References
+    ----------
+    Sections 3.4.2, 3.4.3 and 3.5.3 of the dissertation.
+    """
+    check = check_cancelled if check_cancelled is not None else _nothing
+    if around is not None and around.shape != volume.shape:
+        raise InvalidInput(
+            "grid_mismatch", f"The region has the shape {around.shape}, the volume with the vessels {volume.shape}."
+        )
+    canonical, order = volume.canonical()
+    values = np.ascontiguousarray(canonical.filled().data, dtype=np.float32)
+    if float(values.max()) <= float(values.min()):
+        raise InvalidInput("invalid_volume", "All voxels of the volume with the vessels have the same value.")
+    grid = Volume(values, canonical.affine)
+    region = None if around is None else np.ascontiguousarray(order.apply_array(around))
+    where = None if region is None else _near(region, grid)
+    check()
+
+    evidence = gather_evidence(values, grid.spacing, polarity, where)
+    check()
+    start = evidence.seeds if where is None or seeds else evidence.seeds[where[tuple(evidence.seeds.T)]]
+    if region is not None and len(start):
+        start = start[~region[tuple(start.T)]]
+    if seeds:
+        start = _given(seeds, grid, evidence)
+    warnings = list(volume.warnings)
+    if not len(start):
+        warnings.append("No vessels were found; check the polarity, or give a seed in one.")
+        return Vessels(np.zeros(volume.shape, dtype=np.bool_), (), evidence.polarity, tuple(warnings))
+
+    most = min(LARGEST_COUNT, int(LARGEST_SHARE * values.size))
+    border = find_border(evidence, start, most=most, blocked=region)
+    check()
+    if len(border.voxels) >= most:
+        warnings.append("What was taken for vessels fills a large part of the volume: it has leaked into other tissue.")
+    trees, mask = _trees(evidence, border, grid, max_trees, seeds is not None and len(seeds) > 0, check)
+    if not trees:
+        if seeds:
+            raise InvalidInput(
+                "no_object_found",
+                f"No vessel was reached from the {len(seeds)} seeds given.",
+                f"Place seeds in the middle of vessels; they were taken for {evidence.polarity}.",
+            )
+        warnings.append("No vessels were found; check the polarity, or give a seed in one.")
+    return Vessels(_given_order(mask, order), tuple(trees), evidence.polarity, tuple(warnings))
+
+
+def _trees(
+    evidence: Evidence, border: Border, grid: Volume, max_trees: int, given: bool, check: Callable[[], None]
+) -> tuple[list[VesselTree], BoolArray]:
+    """Return the trees by falling volume, and the voxels in them."""
+    mask = np.zeros(grid.shape, dtype=np.bool_)
+    if not len(border.voxels):
+        return [], mask
+    low = border.voxels.min(axis=0)
+    box = tuple(slice(int(a), int(b) + 1) for a, b in zip(low, border.voxels.max(axis=0), strict=True))
+    labels, count = ndimage.label(border.inside[box] == 1, np.ones((3, 3, 3)))
+    sizes = np.bincount(labels.ravel(), minlength=count + 1)
+    sizes[0] = 0
+    least = max(LEAST_VOXELS, 0 if given else LEAST_TREE * sizes.max())
+    places = ndimage.find_objects(labels)
+    trees: list[VesselTree] = []
+    for label in np.argsort(-sizes, kind="stable"):
+        if sizes[label] < least or len(trees) == max_trees:
+            break
+        check()
+        place = places[label - 1]
+        part = labels[place] == label
+        corner = low + [s.start for s in place]
+        affine = grid.affine.copy()
+        affine[:3, 3] += affine[:3, :3] @ corner
+        if not _is_vessel(find_centerlines(part, Volume(part, affine)), grid, int(sizes[label])):
+            continue
+        surface = _surface(part, affine, evidence, border, grid, check)
+        inside = rasterize(surface, grid)
+        branches = find_centerlines(inside & ~mask, grid)
+        mask |= inside
+        if branches:
+            trees.append(VesselTree(surface, branches, float(surface.volume)))
+    return trees, mask
+
+
+def _surface(
+    part: BoolArray, affine: FloatArray, evidence: Evidence, border: Border, grid: Volume, check: Callable[[], None]
+) -> TriangleMesh:
+    voxel = grid.voxel_volume ** (1 / 3)
+    start = surface_of(part, affine)
+    edge = EDGE * max(min(grid.spacing), 0.75 * voxel)
+    edge *= max(1.0, np.sqrt(start.area / (0.87 * edge * edge) / LARGEST_SURFACE))
+    mesh = DynamicMesh(start, edge)
+    mesh.remesh(rounds=8)
+    check()
+    fit_surface(mesh, evidence, border, grid, check_cancelled=check)
+    surface = mesh.to_triangle_mesh()
+    # Every move was tested as it was made; this is the independent exact test of what is given out.
+    crossing = len(self_intersections(surface))
+    if crossing:
+        raise RuntimeError(f"{crossing} pairs of faces of a vessel's surface intersect")
+    return surface
+
+
+def _is_vessel(branches: tuple[Branch, ...], grid: Volume, voxels: int) -> bool:
+    """Return whether a region is long for its thickness."""
+    if not branches:
+        return False
+    voxel = grid.voxel_volume ** (1 / 3)
+    length = sum(b.length for b in branches)
+    radius = np.sqrt(voxels * grid.voxel_volume / (np.pi * max(length, voxel)))
+    return bool(length >= LEAST_EXTENT[0] * voxel and length >= LEAST_EXTENT[1] * radius)
+
+
+def _near(region: BoolArray, grid: Volume) -> BoolArray:
+    """Return the voxels within `REACH` of a region."""
+    if not region.any():
+        raise InvalidInput("invalid_params", "The region around which to look for vessels is empty.")
+    index = np.argwhere(region)
+    pad = np.ceil(REACH / np.array(grid.spacing)).astype(int) + 1
+    low = np.maximum(index.min(axis=0) - pad, 0)
+    high = np.minimum(index.max(axis=0) + pad + 1, grid.shape)
+    box = tuple(slice(a, b) for a, b in zip(low, high, strict=True))
+    near = np.zeros(grid.shape, dtype=np.bool_)
+    near[box] = ndimage.distance_transform_edt(~region[box], sampling=grid.spacing) <= REACH
+    return near
+
+
+def _given(seeds: Sequence[ArrayLike], grid: Volume, evidence: Evidence) -> NDArray[np.int64]:
+    """Return the voxels of seeds, each moved to the brightest smoothed value nearby."""
+    points = np.array([np.asarray(seed, dtype=np.float64) for seed in seeds]).reshape(len(seeds), -1)
+    if points.shape[1] != 3 or not np.isfinite(points).all():
+        raise InvalidInput("invalid_params", "Seeds are points of three finite numbers, RAS mm.")
+    outside = ~grid.contains(points)
+    if outside.any():
+        raise InvalidInput(
+            "invalid_params",
+            f"The seed {points[outside][0].round(1).tolist()} lies outside the volume with the vessels.",
+            "Seeds are given in RAS mm.",
+        )
+    found = []
+    for index in np.clip(np.rint(grid.to_index(points)), 0, np.array(grid.shape) - 1).astype(np.int64):
+        low = np.maximum(index - SNAP, 0)
+        part = evidence.smoothed[tuple(slice(a, b + SNAP + 1) for a, b in zip(low, index, strict=True))]
+        found.append(low + np.array(np.unravel_index(int(part.argmax()), part.shape)))
+    return np.array(found, dtype=np.int64)
+
+
+def _given_order(mask: BoolArray, order: Reorientation) -> BoolArray:
+    return np.ascontiguousarray(order.undo_array(mask))
+
+
+def _weighted(values: list[FloatArray], lines: list[FloatArray]) -> float:
+    total = weight = 0.0
+    for value, line in zip(values, lines, strict=True):
+        step = np.linalg.norm(np.diff(line, axis=0), axis=1)
+        total += float((0.5 * (value[:-1] + value[1:]) * step).sum())
+        weight += float(step.sum())
+    return total / weight if weight else 0.0
+
+
+def _nothing() -> None:
+    return None
