@@ -58,11 +58,13 @@ def _populate(url: str, secret: str, database: Database, store: ObjectStore, fol
     assert fake.publish(database, store, claimed, folder, 1)
     with httpx.Client(base_url=url, headers={"X-API-Key": secret}) as client:
         (shape,) = client.get("/v1/shapes").json()["items"]
+        search = client.post("/v1/search", params={"wait": 0}, json={"shape_id": shape["id"]}).json()
     return {
         "shape_id": shape["id"],
         "collection_id": shape["collection_id"],
         "asset_id": asset["id"],
         "job_id": job["id"],
+        "search_id": search["id"],
         "batch_id": batch["id"],
         "upload_id": location.rsplit("/", 1)[1],
         "key_id": key["id"],

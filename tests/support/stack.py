@@ -17,7 +17,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -47,13 +47,21 @@ MESH = FileFormat(kind=AssetKind.MESH, format="obj", media_type="model/obj", ext
 class Stack:
     """One database, queue and store, the workers and reapers started on them, and a client to them."""
 
-    def __init__(self, home: Path, database_url: str, redis_url: str, **settings: Any) -> None:
+    def __init__(
+        self,
+        home: Path,
+        database_url: str,
+        redis_url: str,
+        *,
+        plugins: Sequence[str] = (probe.MODULE,),
+        **settings: Any,
+    ) -> None:
         self.home = home
         self.settings: Settings = load_settings(
             home=home,
             database_url=database_url,
             redis_url=redis_url,
-            plugins=[probe.MODULE],
+            plugins=list(plugins),
             min_free_bytes=0,
             **settings,
         )
@@ -62,7 +70,7 @@ class Stack:
             "SHAPERY_HOME": str(home),
             "SHAPERY_DATABASE_URL": database_url,
             "SHAPERY_REDIS_URL": redis_url,
-            "SHAPERY_PLUGINS": probe.MODULE,
+            "SHAPERY_PLUGINS": ",".join(plugins),
             "SHAPERY_MIN_FREE_BYTES": "0",
             **{f"SHAPERY_{name.upper()}": _text(value) for name, value in settings.items()},
         }
@@ -83,9 +91,11 @@ class Stack:
         self.processes.append(process)
         return process
 
-    def start_worker(self, *, concurrency: int = 2, wait: bool = True, **environment: str) -> subprocess.Popen[bytes]:
-        """Start a worker of the probes' service, and wait until it listens."""
-        worker = self.start("run", "--service", probe.SERVICE, "--concurrency", str(concurrency), **environment)
+    def start_worker(
+        self, *, service: str = probe.SERVICE, concurrency: int = 2, wait: bool = True, **environment: str
+    ) -> subprocess.Popen[bytes]:
+        """Start a worker of a service, and wait until it listens."""
+        worker = self.start("run", "--service", service, "--concurrency", str(concurrency), **environment)
         if wait:
             self.until(lambda: self.celery_main(worker) is not None and self.is_listed(worker), "the worker listens")
         return worker

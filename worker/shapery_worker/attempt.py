@@ -10,12 +10,14 @@ from __future__ import annotations
 
 import logging
 import signal
+import socket
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 from uuid import UUID
 
 from celery import Celery
@@ -30,6 +32,7 @@ from shapery_platform.db import Database
 from shapery_platform.jobs import ClaimedJob
 from shapery_platform.settings import Settings
 from shapery_platform.storage import ObjectStore
+from shapery_worker.bank_line import BankServer
 from shapery_worker.board import Board
 from shapery_worker.handler_process import HandlerProcess
 from shapery_worker.keeper import LeaseKeeper
@@ -42,6 +45,9 @@ from shapery_worker.settings import WorkerSettings, scratch_root
 from shapery_worker.staging import stage_inputs
 from shapery_worker.turns import Turns
 from shapery_worker.watch import Limits, ProcessWatch, StopReason
+
+if TYPE_CHECKING:
+    from shapery_worker.bank import Banks
 
 T = TypeVar("T")
 
@@ -80,6 +86,13 @@ class Runtime:
         self.scratch = scratch_root(self.settings, self.service)
         self.turns = Turns(self.scratch.parent / f".turns-{self.service}")
         self.metrics = JobMetrics(self.service)
+
+    @cached_property
+    def banks(self) -> Banks:
+        """The shape databases of the owners that this process searched for."""
+        from shapery_worker.bank import Banks  # with numerics, which not every worker needs
+
+        return Banks(self.database)
 
     def close(self) -> None:
         """Close what `open` opened."""
@@ -169,6 +182,7 @@ class Attempt:
             board = Board()
             stack.callback(board.close)
             scratch = stack.enter_context(ScratchFolder(runtime.scratch, ownership))
+            ours, theirs = socket.socketpair() if self._kind.searches else (None, None)
             process = HandlerProcess(
                 self._kind,
                 handler,
@@ -177,9 +191,13 @@ class Attempt:
                 board,
                 label=f"job {job.job_id}",
                 niceness=runtime.worker_settings.niceness,
-                private=(*self._private, scratch.descriptor),
+                private=(*self._private, scratch.descriptor, *([ours.fileno()] if ours else [])),
+                bank=theirs.fileno() if theirs else None,
             )
             stack.callback(process.kill)
+            if ours and theirs:
+                theirs.close()
+                stack.enter_context(BankServer(ours, runtime.banks.of(job.owner)))
             scratch.tell_handler(process.pid)
             keeper = stack.enter_context(LeaseKeeper(runtime.database, runtime.settings, job.job_id, job.lease, board))
             try:

@@ -3,7 +3,7 @@
 It is forked from a process that has loaded the handler already and runs no other thread at that moment, so it starts
 in milliseconds and shares the memory of the imports. It leads a session of its own, so that it is killed together with
 whatever it starts, and it dies with its watcher. It has no database, no queue and no storage: connections of the
-parent are cut off in it, the inputs lie in a folder, and its outcome is a file.
+parent are cut off in it, the inputs lie in a folder, and its outcome is a file. A search asks its watcher for shapes.
 """
 
 from __future__ import annotations
@@ -26,8 +26,9 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from shapery_contracts.errors import JobCancelled, UserError
-from shapery_contracts.handler import AnyHandler
+from shapery_contracts.handler import AnyHandler, JobContext
 from shapery_contracts.kinds import JobKind
+from shapery_worker.bank_line import BankClient
 from shapery_worker.board import Board
 from shapery_worker.context import HandlerContext
 from shapery_worker.lifeline import kill_tree, tie_to_parent
@@ -68,6 +69,8 @@ class HandlerProcess:
         How far it steps back behind other processes.
     private
         Descriptors of the parent that it must not keep open.
+    bank
+        Its end of the line over which it reads the shape database (`shapery_worker.bank_line`), where it may.
     """
 
     def __init__(
@@ -81,6 +84,7 @@ class HandlerProcess:
         label: str,
         niceness: int = 0,
         private: tuple[int, ...] = (),
+        bank: int | None = None,
     ) -> None:
         self._label = label
         self.usage: Any = None
@@ -94,7 +98,7 @@ class HandlerProcess:
         if self.pid == 0:
             for descriptor in private:
                 os.close(descriptor)
-            _live(parent, go_read, log_write, (kind, handler, params, folders, board), niceness)
+            _live(parent, go_read, log_write, (kind, handler, params, folders, board, bank), niceness)
         os.close(go_read)
         os.close(log_write)
         os.set_blocking(self._log, False)
@@ -179,14 +183,16 @@ def _live(parent: int, go: int, log: int, task: tuple[Any, ...], niceness: int) 
     """Be the handler's process: never returns, and runs nothing that the parent left to be run at exit."""
     code = 70  # EX_SOFTWARE
     try:
-        _detach(parent, (go, log), niceness)
-        kind, handler, params, folders, board = task
+        kind, handler, params, folders, board, line = task
+        _detach(parent, (go, log), niceness, keep=set() if line is None else {line})
         with os.fdopen(go, "rb") as pipe:
             message = pipe.read()
         if message:
             enter_work_folder(folders.work)
             inputs = {name: Path(path) for name, path in json.loads(message).items()}
-            write_outcome(folders.outcome, run_handler(kind, handler, params, inputs, folders, board))
+            bank = None if line is None else BankClient(line)
+            context = HandlerContext(board, folders.output, folders.work, bank)
+            write_outcome(folders.outcome, run_handler(kind, handler, params, inputs, context))
             code = 0
         else:
             code = 75  # EX_TEMPFAIL: the watcher no longer wants it
@@ -204,11 +210,9 @@ def run_handler(
     handler: AnyHandler,
     params: Mapping[str, Any],
     inputs: Mapping[str, Path],
-    folders: Folders,
-    board: Board,
+    context: JobContext,
 ) -> Outcome:
     """Run the handler and put into words how it ended. Tracebacks of what is ours go to standard error."""
-    context = HandlerContext(board, folders.output, folders.work)
     try:
         result = handler.run(kind.params.model_validate(params), inputs, context)
         # Another type is seen here, and so is a number that is none, which would become null on its way.
@@ -228,9 +232,9 @@ def run_handler(
         return Broken(reason=f"The handler raised {type(error).__name__}: {first_line}"[:500])
 
 
-def _detach(parent: int, keep: tuple[int, ...], niceness: int) -> None:
+def _detach(parent: int, pipes: tuple[int, int], niceness: int, *, keep: set[int]) -> None:
     """Leave behind what belongs to the parent: session, signals, connections, standard streams, locks of logging."""
-    go, log = keep
+    go, log = pipes
     for number in set(signal.Signals) - {signal.SIGKILL, signal.SIGSTOP}:
         with contextlib.suppress(OSError, ValueError):
             signal.signal(number, signal.SIG_DFL)
@@ -238,7 +242,7 @@ def _detach(parent: int, keep: tuple[int, ...], niceness: int) -> None:
     signal.pthread_sigmask(signal.SIG_SETMASK, ())
     os.setsid()
     tie_to_parent(parent)
-    cut_connections(keep={go, log})
+    cut_connections(keep={go, log, *keep})
     null = os.open(os.devnull, os.O_RDONLY)
     os.dup2(null, 0)
     os.close(null)

@@ -19,6 +19,7 @@ import time
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from shapery_contracts.kinds import get_kind
 from shapery_platform.settings import Settings
 from shapery_worker import leash
 from shapery_worker.handlers import installed_kinds
@@ -39,6 +40,8 @@ _IDLE_FIRST = 5.0
 _FIRST_DELAY = 0.1
 _LONGEST_DELAY = 10.0
 _HEALTHY_AFTER = 30.0
+_RESIDENT_PAUSE = 5.0
+"""Seconds between two starts of the resident process, and until it is killed when it does not stop."""
 _KILL_AFTER = 10.0
 """Seconds beyond the grace after which a worker that does not stop is killed."""
 
@@ -75,6 +78,9 @@ class WorkerHost:
         self._delay = _FIRST_DELAY
         self._stop_signal = StopSignal()
 
+        self._resident: subprocess.Popen[bytes] | None = None
+        self._resident_due = 0.0
+
     @cached_property
     def _presence(self) -> Presence:
         from shapery_worker.presence import Presence
@@ -100,6 +106,8 @@ class WorkerHost:
         while not self._stop_signal.asked:
             now = time.monotonic()
             self._look_after_main(now)
+            if self._kinds is not None and any(get_kind(kind).searches for kind in self._kinds):
+                self._look_after_resident(now)
             if now >= sweep_due:
                 if has_folders(self._root):
                     self._presence.recover()
@@ -114,6 +122,7 @@ class WorkerHost:
             if os.getpid() == 1:
                 self._reap_orphans()
             self._stop_signal.wait(_TICK)
+        self._stop_resident()
         return self._stop_main()
 
     def _idle(self) -> int:
@@ -127,6 +136,29 @@ class WorkerHost:
     @property
     def _beat_every(self) -> float:
         return self._settings.lease_seconds / 3
+
+    def _look_after_resident(self, now: float) -> None:
+        """Keep the process that answers searches at once; it starts after the one that runs the jobs."""
+        if self._resident is not None and self._resident.poll() is not None:
+            logger.warning("the resident process ended (%d) and is started again", self._resident.returncode)
+            self._resident = None
+        if self._resident is None and now >= self._resident_due:
+            self._resident_due = now + _RESIDENT_PAUSE
+            self._resident = subprocess.Popen(
+                leash.command([sys.executable, "-m", "shapery_worker.resident", "--service", self._service]),
+                env={**os.environ, **self._worker_settings.thread_environment()},
+                stdin=subprocess.DEVNULL,
+            )
+
+    def _stop_resident(self) -> None:
+        if self._resident is None:
+            return
+        self._resident.send_signal(signal.SIGTERM)
+        try:
+            self._resident.wait(_RESIDENT_PAUSE)
+        except subprocess.TimeoutExpired:
+            kill_tree(self._resident.pid)
+            self._resident.wait()
 
     def _start_main(self) -> None:
         self._root.mkdir(parents=True, exist_ok=True)
@@ -192,7 +224,7 @@ class WorkerHost:
 
     def _reap_orphans(self) -> None:
         """As the first process of a container, end the zombies of handlers whose watcher was killed."""
-        known = {self._main.pid} if self._main is not None else set()
+        known = {process.pid for process in (self._main, self._resident) if process is not None}
         while True:
             # Look first, without reaping: the main process's exit code belongs to `_look_after_main`.
             status = os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, TypeVar, TypeVarTuple
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, TypeVar, TypeVarTuple
 
 from anyio import CapacityLimiter
 from anyio.to_thread import run_sync
@@ -24,10 +25,13 @@ from shapery_platform.storage import ObjectStore
 from shapery_platform.storage.staging import UploadStaging
 
 if TYPE_CHECKING:
+    from shapery_platform.asking import Answer, Asker
     from shapery_platform.queue import Celery
 
 
 STORAGE_THREADS = 16
+ASKING_THREADS = 32
+"""Searches that wait for an answer at the same time."""
 
 T = TypeVar("T")
 Ts = TypeVarTuple("Ts")
@@ -46,6 +50,7 @@ class Backend:
         self.staging = UploadStaging.over(self.store)
         # Apart from the threads of the routes: uploads that wait for a slow disk must not hold up everything else.
         self._storage_threads = CapacityLimiter(STORAGE_THREADS)
+        self._asking_threads = CapacityLimiter(ASKING_THREADS)
         self.metrics = RequestMetrics(CollectorRegistry())
         self.metrics.registry.register(
             PlatformCollector(
@@ -79,6 +84,18 @@ class Backend:
         """Run what writes to storage in one of the threads set apart for it."""
         return await run_sync(function, *args, limiter=self._storage_threads)
 
+    async def ask(self, service: str, kind: str, owner: str, params: dict[str, Any], seconds: float) -> Answer | None:
+        """Ask a resident process; see `shapery_platform.asking`."""
+        return await run_sync(
+            lambda: self._asker.ask(service, kind, owner, params, seconds), limiter=self._asking_threads
+        )
+
+    @cached_property
+    def _asker(self) -> Asker:
+        from shapery_platform.asking import Asker
+
+        return Asker(self.settings)
+
     async def end_streams(self) -> None:
         """End all event streams; their clients take them up again elsewhere."""
         self.closing = True
@@ -88,6 +105,8 @@ class Backend:
     def close(self) -> None:
         """Send what waits to be sent, and close the database."""
         self.outbox.close()
+        if "_asker" in self.__dict__:
+            self._asker.close()
         self.database.dispose()
 
     # Celery takes a good part of a second to import: not before the first job, and never in a request.

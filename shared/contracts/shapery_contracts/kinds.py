@@ -42,6 +42,9 @@ class JobKind:
     """Bytes of resident memory above which a job fails; a setting may override it."""
     stages: tuple[str, ...] = field(default=())
     """Names of the stages in their order, so that a viewer can draw the path ahead."""
+    searches: bool = False
+    """Whether it reads the shape database. Its handler finds it in its context, and a question without inputs is
+    answered by a resident process, too."""
 
 
 SERVICES = ("segmentation", "retrieval", "motion")
@@ -118,6 +121,7 @@ register_kind(
         time_limit=300.0,
         memory_limit=4 << 30,
         stages=("read", "index", "candidates", "match", "write"),
+        searches=True,
     )
 )
 

@@ -132,6 +132,11 @@ def graph(session: Session, owner: str, shape_id: UUID) -> bytes:
     return found
 
 
+def is_outdated(shape: Shape) -> bool:
+    """Tell whether an older version has indexed a shape, so that it is compared with none."""
+    return shape.index_version != INDEX_VERSION
+
+
 def view(shape: Shape) -> ShapeView:
     """Return the representation that the API shows in lists."""
     return ShapeView.model_validate(_representation(shape))
@@ -155,7 +160,7 @@ def _representation(shape: Shape) -> dict[str, object]:
         "asset_id": shape.asset_id,
         "job_id": shape.job_id,
         "index_version": shape.index_version,
-        "outdated": shape.index_version != INDEX_VERSION,
+        "outdated": is_outdated(shape),
         "created_at": shape.created_at,
         "indexed_at": shape.indexed_at,
         "arg_url": f"{url}/arg",

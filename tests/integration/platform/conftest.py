@@ -3,9 +3,11 @@ on a local folder and on S3. The servers run once per session."""
 
 from __future__ import annotations
 
+import itertools
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 from uuid import UUID
 
 import psycopg
@@ -17,13 +19,17 @@ from shapery_contracts.api import JobCreate, JobEvent, JobView
 from shapery_contracts.formats import AssetKind, FileFormat
 from shapery_platform import assets, jobs
 from shapery_platform.db import Database
-from shapery_platform.db.models import Base
+from shapery_platform.db.models import Base, Shape
 from shapery_platform.jobs import ClaimedJob
 from shapery_platform.settings import Settings, load_settings
 from shapery_platform.storage import ObjectStore, UploadStaging
+from tests.support import shapes as fake
 from tests.support.postgres import PostgresServer, postgres_server
 from tests.support.redis import RedisServer, redis_server
 from tests.support.s3 import S3Server, s3_server
+
+Index = Callable[..., UUID]
+Claim = Callable[..., ClaimedJob]
 
 VOLUME = FileFormat(kind=AssetKind.VOLUME, format="nifti1", media_type="application/x-nifti", extension=".nii")
 DATABASES = ["sqlite", pytest.param("postgresql", marks=pytest.mark.server)]
@@ -199,3 +205,37 @@ def events(database: Database) -> Callable[..., list[JobEvent]]:
             return jobs.events_after(session, owner, job_id, seq)
 
     return read
+
+
+@pytest.fixture
+def claim(database: Database, settings: Settings, new_asset: Callable[..., UUID]) -> Claim:
+    """A function that asks for a mesh to be indexed, and takes the job."""
+    assets_: dict[tuple[str, int], UUID] = {}
+
+    def make(seed: int = 1, owner: str = "ann", **params: Any) -> ClaimedJob:
+        key = owner, seed
+        if key not in assets_:
+            assets_[key] = new_asset(owner, b"mesh %d" % seed, fake.MESH)
+        with database.session() as session:
+            request = JobCreate(kind="shape-index", inputs={"mesh": assets_[key]}, params=params)
+            job_id = jobs.create(session, settings, owner, request)[0].id
+        with database.session() as session:
+            job = jobs.claim(session, job_id, "worker")
+        assert job is not None
+        return job
+
+    return make
+
+
+@pytest.fixture
+def index(database: Database, local_store: ObjectStore, claim: Claim, tmp_path: Path) -> Index:
+    """A function that indexes a mesh and returns the shape's id."""
+    folders = itertools.count()
+
+    def make(seed: int = 1, owner: str = "ann", changed: dict[str, Any] | None = None, **params: Any) -> UUID:
+        job = claim(seed, owner, **params)
+        assert fake.publish(database, local_store, job, tmp_path / f"out{next(folders)}", seed, **(changed or {}))
+        with database.session(readonly=True) as session:
+            return session.query(Shape.id).where(Shape.job_id == job.job_id).scalar()
+
+    return make

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import itertools
 import threading
 from collections.abc import Callable
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
-from uuid import UUID, uuid4
+from uuid import uuid4
 
 import pytest
 
-from shapery_contracts.api import JobCreate
 from shapery_contracts.errors import UserError
 from shapery_contracts.retrieval import INDEX_VERSION, VECTOR_DIMENSION
 from shapery_contracts.shapes import CollectionCreate, CollectionUpdate, ShapeUpdate
@@ -21,49 +19,12 @@ from shapery_platform import assets, blobs, collections, jobs, publication, rete
 from shapery_platform.db import Database
 from shapery_platform.db.models import Bank, Blob, Shape, ShapeFile, ShapeGraph, ShapeLabel
 from shapery_platform.db.types import unpack_vector
-from shapery_platform.jobs import ClaimedJob
 from shapery_platform.settings import Settings
 from shapery_platform.storage import ObjectStore, object_key
+from tests.integration.platform.conftest import Claim, Index
 from tests.support import shapes as fake
 
 LATER = timedelta(seconds=2 * blobs.PIN_SECONDS)
-
-Index = Callable[..., UUID]
-Claim = Callable[..., ClaimedJob]
-
-
-@pytest.fixture
-def claim(database: Database, settings: Settings, new_asset: Callable[..., UUID]) -> Claim:
-    """A function that asks for a mesh to be indexed, and takes the job."""
-    assets_: dict[tuple[str, int], UUID] = {}
-
-    def make(seed: int = 1, owner: str = "ann", **params: Any) -> ClaimedJob:
-        key = owner, seed
-        if key not in assets_:
-            assets_[key] = new_asset(owner, b"mesh %d" % seed, fake.MESH)
-        with database.session() as session:
-            request = JobCreate(kind="shape-index", inputs={"mesh": assets_[key]}, params=params)
-            job_id = jobs.create(session, settings, owner, request)[0].id
-        with database.session() as session:
-            job = jobs.claim(session, job_id, "worker")
-        assert job is not None
-        return job
-
-    return make
-
-
-@pytest.fixture
-def index(database: Database, local_store: ObjectStore, claim: Claim, tmp_path: Path) -> Index:
-    """A function that indexes a mesh and returns the shape's id."""
-    folders = itertools.count()
-
-    def make(seed: int = 1, owner: str = "ann", changed: dict[str, Any] | None = None, **params: Any) -> UUID:
-        job = claim(seed, owner, **params)
-        assert fake.publish(database, local_store, job, tmp_path / f"out{next(folders)}", seed, **(changed or {}))
-        with database.session(readonly=True) as session:
-            return session.query(Shape.id).where(Shape.job_id == job.job_id).scalar()
-
-    return make
 
 
 def count(database: Database, table: type) -> int:

@@ -88,17 +88,6 @@ def outdated(
     ).all()
 
 
-def current_of_content(session: Session, owner: str, sha256: str, version: int) -> UUID | None:
-    """Return a shape of an index version that was made of a file with this content."""
-    return session.scalars(
-        select(Shape.id)
-        .join(Asset, Asset.id == Shape.asset_id)
-        .where(Asset.sha256 == sha256, Asset.owner == owner, Shape.index_version == version)
-        .order_by(Shape.id)
-        .limit(1)
-    ).one_or_none()
-
-
 def add(session: Session, values: Mapping[str, Any], graph: bytes) -> None:
     """Insert a shape and its graph."""
     session.execute(insert(Shape), [dict(values)])
@@ -107,7 +96,7 @@ def add(session: Session, values: Mapping[str, Any], graph: bytes) -> None:
 
 def replace(session: Session, shape_id: UUID, values: Mapping[str, Any], graph: bytes) -> None:
     """Overwrite what indexing tells of a shape."""
-    _update(session, shape_id, values)
+    change(session, shape_id, values)
     session.execute(
         update(ShapeGraph)
         .where(ShapeGraph.shape_id == shape_id)
@@ -118,7 +107,9 @@ def replace(session: Session, shape_id: UUID, values: Mapping[str, Any], graph: 
 
 def change(session: Session, shape_id: UUID, values: Mapping[str, Any]) -> None:
     """Overwrite columns of a shape."""
-    _update(session, shape_id, values)
+    session.execute(
+        update(Shape).where(Shape.id == shape_id).values(**values).execution_options(synchronize_session=False)
+    )
 
 
 def put_files(session: Session, shape_id: UUID, files: Sequence[Mapping[str, Any]]) -> list[str]:
@@ -169,9 +160,3 @@ def remove(session: Session, chosen: Any) -> list[str]:
         session.execute(delete(table).where(table.shape_id.in_(chosen)).execution_options(synchronize_session=False))
     session.execute(delete(Shape).where(Shape.id.in_(chosen)).execution_options(synchronize_session=False))
     return sorted(set(hashes))
-
-
-def _update(session: Session, shape_id: UUID, values: Mapping[str, Any]) -> None:
-    session.execute(
-        update(Shape).where(Shape.id == shape_id).values(**values).execution_options(synchronize_session=False)
-    )

@@ -1,0 +1,245 @@
+"""The shape database as a search reads it: `shapery_contracts.retrieval.ShapeBank` over the rows.
+
+On SQLite the vectors of an owner are kept in memory and compared exactly; on PostgreSQL the database finds the nearest
+ones by its index. Graphs are kept in memory on both, within bounds: under its id and version a graph never changes.
+What is kept is brought up to date before each search by asking for the number of the owner's last change, and reading
+what has changed since.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Iterable, Mapping, Sequence
+from uuid import UUID
+
+import numpy as np
+import numpy.typing as npt
+
+from shapery_contracts.retrieval import INDEX_VERSION, VECTOR_DIMENSION, Candidate, ShapeBank, ShapeFilter
+from shapery_platform.db import Database
+from shapery_platform.db.repositories import bank as repository
+from shapery_platform.db.types import pack_vector
+
+DEFAULT_ROOM = 512 << 20
+"""Bytes that are kept in memory, beyond those of the owner who searches."""
+_REFINED = 4
+"""So many times the wanted number is measured again in 64 bits, so that rounding does not decide who is among them."""
+_BLOCK = 16384
+
+NO_FILTER = ShapeFilter()
+
+
+class VectorTable:
+    """Vectors of one index version by the ids of their shapes."""
+
+    def __init__(self) -> None:
+        self.ids: list[UUID] = []
+        self._rows: dict[UUID, int] = {}
+        self._vectors: npt.NDArray[np.float32] = np.empty((0, VECTOR_DIMENSION), np.float32)
+
+    @property
+    def size(self) -> int:
+        """Bytes in memory."""
+        return self._vectors.nbytes + 200 * len(self.ids)
+
+    def put(self, shape_id: UUID, vector: bytes) -> None:
+        """Add a vector, or replace the one that the shape has."""
+        row = self._rows.get(shape_id)
+        if row is None:
+            row = self._rows[shape_id] = len(self.ids)
+            self.ids.append(shape_id)
+            if row == len(self._vectors):
+                grown = np.empty((max(64, row + row // 2), VECTOR_DIMENSION), np.float32)
+                grown[:row] = self._vectors
+                self._vectors = grown
+        self._vectors[row] = np.frombuffer(vector, "<f4")
+
+    def drop(self, shape_id: UUID) -> None:
+        """Remove a vector; the last one takes its place."""
+        row = self._rows.pop(shape_id, None)
+        if row is None:
+            return
+        last = self.ids.pop()
+        if last != shape_id:
+            self.ids[row] = last
+            self._rows[last] = row
+            self._vectors[row] = self._vectors[len(self.ids)]
+
+    def rows(self, ids: Iterable[UUID]) -> npt.NDArray[np.intp]:
+        """Return the rows of those of some shapes that are here."""
+        return np.array(sorted(self._rows[shape_id] for shape_id in ids if shape_id in self._rows), np.intp)
+
+    def nearest(
+        self, vector: npt.NDArray[np.float64], limit: int, rows: npt.NDArray[np.intp] | None
+    ) -> list[tuple[UUID, float]]:
+        """Return ids and Euclidean distances of the nearest vectors, among `rows` only where they are given."""
+        known = self._vectors[: len(self.ids)] if rows is None else self._vectors[rows]
+        squares = np.empty(len(known), np.float32)
+        query = vector.astype(np.float32)
+        for begin in range(0, len(known), _BLOCK):
+            # no BLAS: processes are forked from here, and its threads would not come along
+            difference = known[begin : begin + _BLOCK] - query
+            np.einsum("ij,ij->i", difference, difference, out=squares[begin : begin + _BLOCK])
+        wide = min(len(known), _REFINED * limit)
+        chosen = np.argpartition(squares, wide - 1)[:wide] if wide < len(known) else np.arange(len(known))
+        exact = np.sqrt(np.square(known[chosen].astype(np.float64) - vector).sum(axis=1))
+        found = [
+            (self.ids[row if rows is None else rows[row]], float(distance))
+            for row, distance in zip(chosen.tolist(), exact.tolist(), strict=True)
+        ]
+        return sorted(found, key=lambda pair: (pair[1], pair[0]))[:limit]
+
+
+class _Kept:
+    """What is kept of one owner's shapes."""
+
+    def __init__(self) -> None:
+        self.revision = 0
+        self.removals = 0
+        self.tables: dict[int, VectorTable] = {}
+        self.graphs: OrderedDict[tuple[int, UUID], bytes] = OrderedDict()
+        self.graph_bytes = 0
+        self.rows: dict[tuple[int, str], npt.NDArray[np.intp]] = {}
+        """Of filters asked for since the last change."""
+
+    @property
+    def size(self) -> int:
+        return self.graph_bytes + sum(table.size for table in self.tables.values())
+
+    def keep_graph(self, version: int, shape_id: UUID, graph: bytes, room: int) -> None:
+        self.graphs[version, shape_id] = graph
+        self.graph_bytes += len(graph)
+        while self.graph_bytes > room and len(self.graphs) > 1:
+            _, oldest = self.graphs.popitem(last=False)
+            self.graph_bytes -= len(oldest)
+
+    def forget_graphs(self) -> None:
+        self.graphs.clear()
+        self.graph_bytes = 0
+
+
+class Banks:
+    """The banks of all owners, as one process reads them; not for several threads at once.
+
+    Parameters
+    ----------
+    database
+        Where the shapes are.
+    room
+        Bytes of memory for what was read.
+    """
+
+    def __init__(self, database: Database, room: int = DEFAULT_ROOM) -> None:
+        self._database = database
+        self._room = room
+        self._kept: OrderedDict[str, _Kept] = OrderedDict()
+
+    def of(self, owner: str) -> ShapeBank:
+        """Return an owner's bank as it is now; it stays so until the next call."""
+        kept = self._kept.setdefault(owner, _Kept())
+        self._kept.move_to_end(owner)
+        self._refresh(owner, kept)
+        while len(self._kept) > 1 and sum(other.size for other in self._kept.values()) > self._room:
+            self._kept.popitem(last=False)
+        if self._database.dialect == "postgresql":
+            return PostgresBank(self._database, owner, kept, self._room)
+        return MemoryBank(self._database, owner, kept, self._room)
+
+    def _refresh(self, owner: str, kept: _Kept) -> None:
+        exact = self._database.dialect != "postgresql"
+        with self._database.session(readonly=True) as session:
+            revision, removals = repository.state(session, owner)
+            if revision == kept.revision:
+                return
+            kept.rows.clear()
+            if removals != kept.removals:
+                kept.forget_graphs()
+            if exact:
+                # a change committed after the look at the number is read now, and once more next time
+                for row in repository.vectors_after(session, owner, kept.revision):
+                    for version, table in kept.tables.items():
+                        if version != row.index_version:
+                            table.drop(row.id)
+                    kept.tables.setdefault(row.index_version, VectorTable()).put(row.id, row.vector)
+                if removals != kept.removals:
+                    for version, table in kept.tables.items():
+                        there = set(repository.ids(session, owner, version, None, {}))
+                        for shape_id in [shape_id for shape_id in table.ids if shape_id not in there]:
+                            table.drop(shape_id)
+        kept.revision, kept.removals = revision, removals
+
+
+class _Bank:
+    """What both banks do alike: graphs."""
+
+    def __init__(self, database: Database, owner: str, kept: _Kept, room: int) -> None:
+        self._database = database
+        self._owner = owner
+        self._kept = kept
+        self._room = room
+
+    def args(self, ids: Iterable[str]) -> Mapping[str, bytes]:
+        """Return graphs of the present index version by id."""
+        wanted = dict.fromkeys(UUID(text) for text in ids)
+        found: dict[UUID, bytes] = {}
+        for shape_id in wanted:
+            if (INDEX_VERSION, shape_id) in self._kept.graphs:
+                self._kept.graphs.move_to_end((INDEX_VERSION, shape_id))
+                found[shape_id] = self._kept.graphs[INDEX_VERSION, shape_id]
+        missing = [shape_id for shape_id in wanted if shape_id not in found]
+        if missing:
+            with self._database.session(readonly=True) as session:
+                for shape_id, graph in repository.graphs(session, self._owner, INDEX_VERSION, missing):
+                    found[shape_id] = graph
+                    self._kept.keep_graph(INDEX_VERSION, shape_id, graph, self._room)
+        return {str(shape_id): found[shape_id] for shape_id in wanted if shape_id in found}
+
+
+class MemoryBank(_Bank):
+    """Compares the vectors in memory, exactly."""
+
+    def candidates(
+        self,
+        vector: Sequence[float],
+        limit: int,
+        *,
+        version: int = INDEX_VERSION,
+        only: ShapeFilter | None = None,
+    ) -> Sequence[Candidate]:
+        """Return the nearest shapes."""
+        table = self._kept.tables.get(version)
+        if table is None or limit < 1:
+            return []
+        rows = None if only is None or only == NO_FILTER else self._rows(table, version, only)
+        nearest = table.nearest(np.asarray(vector, np.float64), limit, rows)
+        return [Candidate(str(shape_id), distance) for shape_id, distance in nearest]
+
+    def _rows(self, table: VectorTable, version: int, filter_: ShapeFilter) -> npt.NDArray[np.intp]:
+        key = version, filter_.model_dump_json()
+        if key not in self._kept.rows:
+            with self._database.session(readonly=True) as session:
+                ids = repository.ids(session, self._owner, version, filter_.collection, filter_.labels)
+            self._kept.rows[key] = table.rows(ids)
+        return self._kept.rows[key]
+
+
+class PostgresBank(_Bank):
+    """Asks PostgreSQL, whose index finds nearly all of the nearest shapes, in numbers of 16 bits."""
+
+    def candidates(
+        self,
+        vector: Sequence[float],
+        limit: int,
+        *,
+        version: int = INDEX_VERSION,
+        only: ShapeFilter | None = None,
+    ) -> Sequence[Candidate]:
+        """Return the nearest shapes."""
+        if limit < 1:
+            return []
+        asked = only or NO_FILTER
+        with self._database.session(readonly=True) as session:
+            rows = repository.nearest(
+                session, self._owner, version, pack_vector(vector), limit, asked.collection, asked.labels
+            )
+        return sorted((Candidate(str(row.id), row.distance) for row in rows), key=lambda c: (c.distance, c.shape_id))
