@@ -1,0 +1,201 @@
+"""Encoding of a group at a given step, and what it comes to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.fft import dct
+
+from shapery_contracts.errors import InvalidInput
+from shapery_motion.graph import VertexGraph
+from shapery_motion.trajectory.model import BASES, FIELDS, MODEL, GroupModel
+from shapery_motion.trajectory.streams import BasisStream, FieldStream, PairingTree
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+LARGEST: Final = (1 << 23) - 1
+"""The largest whole number that is coded."""
+TRADE: Final = 0.12
+"""Squared error, in squared steps, for which a bit is spared."""
+GRID: Final = 4
+"""Frames between places where a run may begin."""
+
+
+@dataclass(frozen=True, eq=False)
+class Cluster:
+    """What encoding needs of a cluster, whatever the step."""
+
+    members: IntArray
+    tree: PairingTree
+    trajectories: FloatArray
+    """(n, 3F) as cosine coefficients of the runs."""
+    cuts: IntArray
+    energies: FloatArray
+    """Falling eigenvalues of the trajectories' Gram matrix."""
+    modes: FloatArray
+    """(r, 3F) orthonormal, in the order of `energies`."""
+
+
+@dataclass(frozen=True, eq=False)
+class Encoded:
+    """A group encoded at a step."""
+
+    step: float
+    sections: tuple[tuple[str, bytes], ...]
+    squared_error: float
+    model: GroupModel
+
+    @property
+    def size(self) -> int:
+        """Bytes of the sections."""
+        return sum(len(payload) for _, payload in self.sections)
+
+
+def in_runs(values: FloatArray, cuts: IntArray) -> FloatArray:
+    """Return the orthonormal cosine coefficients of each run along the first axis."""
+    result = np.empty_like(values)
+    for first, stop in zip(cuts[:-1], cuts[1:], strict=True):
+        result[first:stop] = dct(values[first:stop], axis=0, norm="ortho")
+    return result
+
+
+def principal_modes(trajectories: FloatArray, step: float) -> tuple[FloatArray, FloatArray]:
+    """Return energies and modes (r, t) of the trajectories (n, t) that may ever pay at a step."""
+    n, t = trajectories.shape
+    least = step * step / 12.0 * (n + t) / 16.0
+    if n <= t:
+        energies, vectors = np.linalg.eigh(trajectories @ trajectories.T)
+        energies, vectors = energies[::-1], vectors[:, ::-1]
+        rank = max(int((energies > least).sum()), 0)
+        modes = (vectors[:, :rank].T @ trajectories) / np.sqrt(energies[:rank])[:, None]
+    else:
+        energies, vectors = np.linalg.eigh(trajectories.T @ trajectories)
+        energies, vectors = energies[::-1], vectors[:, ::-1]
+        rank = max(int((energies > least).sum()), 0)
+        modes = np.ascontiguousarray(vectors[:, :rank].T)
+    return energies[:rank].copy(), modes
+
+
+def prepare(
+    trajectories: FloatArray, graph: VertexGraph, labels: IntArray, step: float, *, cut: bool
+) -> list[Cluster]:
+    """Find the modes and the runs of each cluster.
+
+    Parameters
+    ----------
+    trajectories : (n, F, 3)
+        Of all vertices, without the offset.
+    graph
+        The mesh.
+    labels : (n,)
+        Clusters from 0 without gaps.
+    step
+        About the step that will be used.
+    cut
+        Whether runs are sought; else all frames make one run.
+    """
+    n, frames, _ = trajectories.shape
+    scratch = np.full(n, -1, dtype=np.int64)
+    clusters = []
+    for label in range(int(labels.max()) + 1):
+        members = np.flatnonzero(labels == label)
+        tree = PairingTree.of_members(graph, members, scratch)
+        own = trajectories[members]
+        energies, modes = principal_modes(own.reshape(len(members), -1), step)
+        functions = modes.reshape(len(modes), frames, 3).transpose(1, 0, 2)
+        amplitudes = functions * (np.sqrt(energies) / step)[:, None]
+        cuts = best_cuts(amplitudes) if cut else np.array([0, frames], dtype=np.int64)
+        coefficients = in_runs(functions, cuts).transpose(1, 0, 2).reshape(len(modes), -1)
+        transformed = in_runs(own.transpose(1, 0, 2), cuts).transpose(1, 0, 2).reshape(len(members), -1)
+        clusters.append(Cluster(members, tree, transformed, cuts, energies, coefficients))
+    return clusters
+
+
+def _bits(coefficients: FloatArray) -> float:
+    return float(np.log2(1.0 + np.abs(coefficients) * 2.0).sum())
+
+
+def best_cuts(amplitudes: FloatArray, *, most_modes: int = 12) -> IntArray:
+    """Return where runs should begin, so that the cosine coefficients of (F, r, 3) functions, in steps, cost least.
+
+    Runs are split in two at the best place as long as that pays.
+    """
+    frames = len(amplitudes)
+    values = np.ascontiguousarray(amplitudes[:, :most_modes].reshape(frames, -1))
+
+    def cost(first: int, stop: int) -> float:
+        return _bits(dct(values[first:stop], axis=0, norm="ortho"))
+
+    done: list[int] = [0]
+    waiting = [(0, frames, cost(0, frames))] if frames > GRID and values.size else []
+    while waiting:
+        first, stop, whole = waiting.pop()
+        best, place, halves = whole - 8.0, 0, (0.0, 0.0)
+        for at in range(first + GRID, stop - GRID + 1, GRID):
+            left, right = cost(first, at), cost(at, stop)
+            if left + right < best:
+                best, place, halves = left + right, at, (left, right)
+        if place:
+            done.append(place)
+            waiting += [(first, place, halves[0]), (place, stop, halves[1])]
+    return np.array([*sorted(done), frames], dtype=np.int64)
+
+
+def encode_at(
+    clusters: list[Cluster],
+    graph: VertexGraph,
+    step: float,
+    *,
+    offset: FloatArray,
+    sources: IntArray,
+    trade: float = TRADE,
+) -> Encoded:
+    """Encode a group at a step.
+
+    Raises
+    ------
+    InvalidInput
+        ``invalid_params`` where the step is too fine for the size of the coordinates.
+    """
+    frames = int(clusters[0].cuts[-1])
+    numbers = sum(len(c.modes) * (len(c.members) + 3 * frames) for c in clusters)
+    bases = BasisStream(room=8 * numbers + 64, trade=trade)
+    fields = FieldStream(room=8 * numbers + 64, trade=trade)
+    n = sum(len(c.members) for c in clusters)
+    labels = np.zeros(n, dtype=np.int64)
+    ranks = np.zeros(len(clusters), dtype=np.int64)
+    error = 0.0
+    for label, cluster in enumerate(clusters):
+        labels[cluster.members] = label
+        count = len(cluster.members)
+        rank = int((cluster.energies > step * step / 12.0 * (count + 3 * frames)).sum())
+        targets = cluster.modes[:rank] * (np.sqrt(cluster.energies[:rank]) / step)[:, None]
+        if rank and np.sqrt(cluster.energies[0]) / step > LARGEST:
+            raise InvalidInput(
+                "invalid_params",
+                "The bound is too fine for coordinates of this size.",
+                "Allow a larger error, or move the motion nearer to the origin.",
+            )
+        quantised = np.zeros((rank, frames, 3), dtype=np.int64)
+        bases.code(cluster.cuts, quantised, targets.reshape(rank, frames, 3))
+        flat = quantised.reshape(rank, -1).astype(np.float64)
+        ranks[label] = rank
+        used = flat.any(axis=1)
+        flat[used] /= np.sqrt((flat[used] ** 2).sum(axis=1))[:, None]
+        # the fields are fitted anew to the bases as a decoder will have them
+        wanted = np.zeros((count, rank))
+        wanted[:, used] = np.linalg.lstsq(flat[used].T, cluster.trajectories.T, rcond=None)[0].T / step
+        decoded = fields.code(cluster.tree, rank, wanted)
+        rest = cluster.trajectories - (decoded.T * step) @ flat
+        error += float((rest**2).sum())
+    model = GroupModel(offset, step, sources, labels, ranks, tuple(c.cuts for c in clusters))
+    sections = (
+        (MODEL, model.pack(graph)),
+        (BASES, bases.stream.finished()),
+        (FIELDS, fields.stream.finished()),
+    )
+    return Encoded(step, sections, error, model)

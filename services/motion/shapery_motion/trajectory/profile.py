@@ -1,0 +1,176 @@
+"""The profile ``trajectory``: see `shapery_motion.profiles.Profile`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapery_contracts.errors import InvalidInput
+from shapery_geometry.mesh import IntArray
+from shapery_motion.container.sections import damaged
+from shapery_motion.graph import VertexGraph
+from shapery_motion.profiles import EncodedGroup, GroupTask
+from shapery_motion.trajectory import _frame_kernels as kernels
+from shapery_motion.trajectory.clustering import compact, reduced, regroup, spread_out
+from shapery_motion.trajectory.encoding import Encoded, encode_at, prepare
+from shapery_motion.trajectory.model import BASES, FIELDS, MODEL, GroupModel
+from shapery_motion.trajectory.streams import BasisStream, FieldStream, PairingTree
+
+FloatArray = NDArray[np.float64]
+
+PART_NAMES: Final = {MODEL: "clusters", BASES: "bases", FIELDS: "fields"}
+TAIL: Final = 3.5
+"""Where only the largest error is bounded, the root mean squared one is this many times smaller; vertices farther off
+are corrected one by one."""
+PASSES: Final = 8
+NEAR: Final = 0.985
+"""Share of the allowed squared error that is used up at least before the search for the step ends."""
+
+
+def encode_group(task: GroupTask) -> EncodedGroup:
+    """Encode a group of frames: see `shapery_motion.profiles.Profile`."""
+    frames, n = len(task.frames), task.frames.shape[1]
+    graph = VertexGraph.of_faces(n, task.faces)
+    allowed = min(task.squared_error, frames * n * (task.largest / TAIL) ** 2)
+    if not math.isfinite(allowed) or allowed <= 0.0:
+        raise InvalidInput("invalid_params", "The error must be bounded by a number greater than 0.")
+    sources, kept = repeated_frames(task.frames, 0.01 * allowed / frames)
+    moving = task.frames[kept]
+    offset = moving.mean(axis=(0, 1))
+    trajectories = np.ascontiguousarray((moving - offset).transpose(1, 0, 2))
+    repeats = np.bincount(sources, minlength=len(kept))
+    lost = float(sum(((task.frames[f] - moving[s]) ** 2).sum() for f, s in enumerate(sources)))
+    # what frames shown more than once add to the error
+    target = (allowed - lost) * len(kept) / frames if repeats.max() > 1 else allowed
+    step = math.sqrt(3.0 * target / (len(kept) * n))
+    labels = _clusters(trajectories, graph, task, step)
+    task.on_progress(0.3)
+    task.check_cancelled()
+    clusters = prepare(trajectories, graph, labels, step, cut=task.preset == "default" and len(kept) > 1)
+    task.on_progress(0.4)
+    points: list[tuple[float, int]] = []
+    best: Encoded | None = None
+    low, high = 0.0, math.inf
+    for number in range(PASSES):
+        task.check_cancelled()
+        made = encode_at(clusters, graph, step, offset=offset, sources=sources)
+        points.append((made.squared_error * frames / len(kept) + lost, made.size))
+        ratio = made.squared_error / target
+        if ratio <= 1.0:
+            if best is None or made.size < best.size:
+                best = made
+            low = max(low, step)
+            if ratio >= NEAR:
+                break
+        else:
+            high = min(high, step)
+        guess = step * (0.993 / max(ratio, 1e-9)) ** 0.55
+        step = guess if low < guess < high else math.sqrt(max(low, guess / 4) * min(high, guess * 4))
+        task.on_progress(0.4 + 0.6 * (number + 1) / PASSES)
+    if best is None:
+        raise InvalidInput(
+            "invalid_params", "The bound is too fine: it could not be met.", "Allow a larger error."
+        )
+    return EncodedGroup(
+        sections=best.sections,
+        memory=best.model.memory,
+        labels=best.model.labels.astype(np.int32),
+        points=tuple(points),
+        part_names=PART_NAMES,
+    )
+
+
+def repeated_frames(frames: FloatArray, tolerance: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Find frames that show again what an earlier one showed.
+
+    Parameters
+    ----------
+    frames : (F, n, 3)
+        Coordinates.
+    tolerance
+        Sum of squared distances up to which two frames are the same.
+
+    Returns
+    -------
+    sources : (F,)
+        For each frame its number among the kept ones.
+    kept : (k,)
+        The frames that are kept.
+    """
+    sources = np.zeros(len(frames), dtype=np.int64)
+    kept: list[int] = []
+    marks = np.empty((len(frames), 3))
+    n = frames.shape[1]
+    for f, frame in enumerate(frames):
+        marks[f] = frame.mean(axis=0)
+        for k, other in enumerate(kept):
+            # means that differ tell without looking at all vertices
+            if n * ((marks[f] - marks[other]) ** 2).sum() > tolerance:
+                continue
+            if ((frame - frames[other]) ** 2).sum() <= tolerance:
+                sources[f] = k
+                break
+        else:
+            sources[f] = len(kept)
+            kept.append(f)
+    return sources, np.array(kept, dtype=np.int64)
+
+
+def _clusters(trajectories: FloatArray, graph: VertexGraph, task: GroupTask, step: float) -> NDArray[np.int64]:
+    n = len(trajectories)
+    count = task.clusters or max(1, min(20, n // 64))
+    if count == 1:
+        return np.zeros(n, dtype=np.int64)
+    points = reduced(trajectories.reshape(n, -1)) / (10.0 * step)
+    labels = spread_out(points, min(count, n))
+    return compact(regroup(points, graph, labels, dimensions=6, coherence=2.0, rounds=12))
+
+
+class TrajectoryGroup:
+    """An opened group: `frame` costs one product of small matrices for each cluster."""
+
+    def __init__(self, model: GroupModel, fields: list[FloatArray], bases: list[FloatArray]) -> None:
+        self._model = model
+        self._fields = fields
+        self._bases = bases
+        self._members = model.members
+        self._sums = np.empty((3, max(map(len, self._members))))
+
+    def frame(self, index: int) -> FloatArray:
+        """Return the vertices (n, 3) of a frame by its number within the group."""
+        model = self._model
+        at = int(model.sources[index])
+        frame = np.empty((len(model.labels), 3))
+        frame[:] = model.offset
+        for fields, bases, members in zip(self._fields, self._bases, self._members, strict=True):
+            kernels.add_cluster(fields, bases[at], members, frame, self._sums)
+        return frame
+
+
+def open_group(
+    sections: Mapping[str, memoryview], frames: int, vertices: int, faces: IntArray, memory: int
+) -> TrajectoryGroup:
+    """Decode the streams of a group: see `shapery_motion.profiles.Profile`."""
+    for tag in (MODEL, BASES, FIELDS):
+        if tag not in sections:
+            raise damaged(tag, "is missing")
+    graph = VertexGraph.of_faces(vertices, faces)
+    model = GroupModel.unpack(sections[MODEL], frames, graph, memory)
+    basis_stream, field_stream = BasisStream(data=sections[BASES]), FieldStream(data=sections[FIELDS])
+    scratch = np.full(vertices, -1, dtype=np.int64)
+    fields, bases = [], []
+    for members, rank, cuts in zip(model.members, model.ranks.tolist(), model.cuts, strict=True):
+        quantised = np.zeros((rank, model.kept, 3), dtype=np.int64)
+        basis_stream.code(cuts, quantised)
+        functions = np.zeros((model.kept, rank, 3))
+        kernels.functions_of_time(cuts, quantised, functions)
+        bases.append(functions)
+        basis_stream.stream.check_end(BASES)
+        tree = PairingTree.of_members(graph, members, scratch)
+        fields.append(field_stream.code(tree, rank) * model.step)
+        field_stream.stream.check_end(FIELDS)
+    return TrajectoryGroup(model, fields, bases)

@@ -1,0 +1,139 @@
+"""Bases and fields of the clusters, to and from their streams."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapery_motion.entropy._coder_kernels import BINS
+from shapery_motion.entropy.stream import Stream
+from shapery_motion.graph import VertexGraph
+from shapery_motion.trajectory import _basis_kernels, _field_kernels
+from shapery_motion.trajectory._tree_kernels import pairing_tree
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+ROWS: Final = 8
+"""Sets of mixing weights in either stream."""
+COSTS: Final[FloatArray] = np.array([-np.log2(max(k, 0.5) / 4096) for k in range(4097)])
+"""Bits of a decision by its probability in 1/4096, for estimates."""
+_EMPTY: Final[FloatArray] = np.zeros((0, 0, 0))
+
+
+@dataclass(frozen=True, eq=False)
+class PairingTree:
+    """The tree of a cluster: see `_tree_kernels.pairing_tree`."""
+
+    parts: tuple[Any, ...]
+    vertices: int
+
+    @classmethod
+    def of_members(cls, graph: VertexGraph, members: IntArray, scratch: IntArray) -> PairingTree:
+        """Build the tree of a cluster.
+
+        Parameters
+        ----------
+        graph
+            Of the whole mesh.
+        members
+            Vertices of the cluster, ascending.
+        scratch
+            (n,) all -1; it is left so.
+        """
+        scratch[members] = np.arange(len(members))
+        starts, neighbours = _subgraph(graph, members, scratch)
+        scratch[members] = -1
+        children, levels, sizes, links, link_starts, link_weights, inner_weights = pairing_tree(starts, neighbours)
+        pairs = len(children)
+        parents = np.full(len(members) + pairs, pairs, dtype=np.int64)
+        parents[children.reshape(-1)] = np.repeat(np.arange(pairs), 2)
+        parts = (
+            children,
+            levels,
+            sizes,
+            links,
+            link_starts,
+            link_weights.astype(np.float64),
+            inner_weights.astype(np.float64),
+            parents,
+        )
+        return cls(parts, len(members))
+
+    @property
+    def fresh_parts(self) -> tuple[Any, ...]:
+        """The arrays for one pass of `code_fields`, which changes the weights."""
+        children, levels, sizes, links, link_starts, link_weights, inner_weights, parents = self.parts
+        return children, levels, sizes, links, link_starts, link_weights.copy(), inner_weights.copy(), parents
+
+
+def _subgraph(graph: VertexGraph, members: IntArray, local: IntArray) -> tuple[IntArray, NDArray[np.int32]]:
+    """Return the graph among some vertices, numbered by `local`."""
+    counts = graph.starts[members + 1] - graph.starts[members]
+    owners = np.repeat(np.arange(len(members)), counts)
+    ends = np.cumsum(counts)
+    at = np.arange(int(ends[-1]) if len(ends) else 0) - np.repeat(ends - counts, counts)
+    targets = local[graph.neighbours[graph.starts[members][owners] + at]]
+    inside = targets >= 0
+    starts = np.concatenate(([0], np.cumsum(np.bincount(owners[inside], minlength=len(members))))).astype(np.int64)
+    return starts, targets[inside].astype(np.int32)
+
+
+class BasisStream:
+    """Stream TBAS."""
+
+    def __init__(self, *, data: memoryview | None = None, room: int = 0, trade: float = 0.0) -> None:
+        sizes = _basis_kernels.BASIS_SIZES
+        self._stream = Stream(int(sizes.sum()) * BINS, ROWS * BINS, data=data, room=room)
+        self._bases = np.concatenate(([0], np.cumsum(sizes)[:-1]))
+        self._trade = trade
+
+    def code(self, cuts: IntArray, quantised: IntArray, targets: FloatArray = _EMPTY) -> None:
+        """Code the bases of a cluster: fill `quantised` (rank, F, 3), from `targets` or from the stream."""
+        stream = self._stream
+        _basis_kernels.code_bases(
+            *stream.parts, stream.weights, self._bases, cuts, len(quantised), targets, quantised, COSTS, self._trade
+        )
+
+    @property
+    def stream(self) -> Stream:
+        """What is beneath."""
+        return self._stream
+
+
+class FieldStream:
+    """Stream TFLD."""
+
+    def __init__(self, *, data: memoryview | None = None, room: int = 0, trade: float = 0.0) -> None:
+        sizes = _field_kernels.FIELD_SIZES
+        self._stream = Stream(int(sizes.sum()) * BINS, ROWS * BINS, data=data, room=room)
+        self._bases = np.concatenate(([0], np.cumsum(sizes)[:-1]))
+        self._trade = trade
+
+    def code(self, tree: PairingTree, rank: int, targets: FloatArray = np.zeros((0, 0))) -> FloatArray:
+        """Code the fields of a cluster, in units of the step; return them (rank, n) as a decoder has them."""
+        stream = self._stream
+        quantised = np.zeros((rank, tree.vertices), dtype=np.int64)
+        decoded = np.zeros((rank, tree.vertices))
+        if rank:
+            _field_kernels.code_fields(
+                *stream.parts,
+                stream.weights,
+                self._bases,
+                *tree.fresh_parts,
+                targets,
+                rank,
+                quantised,
+                decoded,
+                COSTS,
+                self._trade,
+            )
+        return decoded
+
+    @property
+    def stream(self) -> Stream:
+        """What is beneath."""
+        return self._stream
