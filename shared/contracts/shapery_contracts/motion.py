@@ -145,3 +145,34 @@ class MotionDecodeResult(BaseModel):
     bytes: int
     stages: list[StageTime]
     versions: dict[str, str]
+
+
+class MotionInfo(BaseModel):
+    """What a motion file tells of itself."""
+
+    version: str
+    """Of the format."""
+    profile: Profile
+    frames: int
+    vertices: int
+    faces: int
+    groups: list[int]
+    """Frames of each group."""
+    fps: float | None
+    unit: str
+    name: str
+    software: str
+    """What wrote it."""
+    bytes: int
+    sections: dict[str, int]
+    """Bytes by kind of section; with the eight of the signature they sum to ``bytes``."""
+    decoder_memory: int
+    """Bytes that an opened group takes at the most."""
+    bits_per_vertex_frame: float
+    motion_bits_per_vertex_frame: float
+    """Without the connectivity."""
+    connectivity_bits_per_vertex: float
+    bounds: dict[str, float]
+    """What was asked for: ``kg`` in percent, ``rmse`` in edge lengths, ``max_error`` in diagonals."""
+    errors: dict[str, float]
+    """What was met, in the same units."""

@@ -78,9 +78,7 @@ def code_new(state, buffer, probabilities, hits, references, losses, index, limi
     if code_adaptive(state, buffer, probabilities, hits, NEXT_SLOT, 1 if index == following else 0):
         index = following
     else:
-        sign = code_adaptive(
-            state, buffer, probabilities, hits, SIGN_SLOT + best, 1 if index < references[best] else 0
-        )
+        sign = code_adaptive(state, buffer, probabilities, hits, SIGN_SLOT + best, 1 if index < references[best] else 0)
         distance = code_number(
             state, buffer, probabilities, hits, DELTA_SLOT + best * NUMBER_SLOTS, abs(index - references[best])
         )

@@ -46,4 +46,4 @@ def unpack_connectivity(payload: memoryview, vertices: int, faces: int) -> IntAr
     if not kernels.code_faces(*stream.parts, vertices, coded, np.zeros((0, 3), dtype=np.int64), nothing, nothing):
         raise damaged(CONNECTIVITY, "leads to vertices that are not there")
     stream.check_end(CONNECTIVITY)
-    return sorted_faces(coded)
+    return sorted_faces(coded.astype(np.int32))

@@ -199,9 +199,7 @@ def code_value(state, buffer, probabilities, hits, slots, weights, row, logits, 
         bit = (magnitude >> k) & 1
         if k == found - 2 and found < BINS - LENGTH_BINS + 2:
             offset = LENGTH_BINS + found - 2
-            bit = code_mixed(
-                state, buffer, probabilities, hits, slots, offset, weights, row + offset, logits, bit
-            )
+            bit = code_mixed(state, buffer, probabilities, hits, slots, offset, weights, row + offset, logits, bit)
         else:
             bit = code_bit(state, buffer, 32768, bit)
         result = (result << 1) | bit
@@ -240,7 +238,9 @@ def code_number(state, buffer, probabilities, hits, slot, value):
     shifted = value + 1
     length = bit_length(shifted)
     found = 1
-    while found < 32 and code_adaptive(state, buffer, probabilities, hits, slot + found - 1, 1 if length > found else 0):
+    while found < 32 and code_adaptive(
+        state, buffer, probabilities, hits, slot + found - 1, 1 if length > found else 0
+    ):
         found += 1
     result = 1
     for k in range(found - 2, -1, -1):

@@ -192,10 +192,7 @@ def code_fields(
                     other = parents[links[e]]
                     if mode > 0:
                         past += abs(before[other])
-                    if other < pair and other >= low:
-                        near += abs(now[other])
-                        count += 1
-                    elif other >= high:
+                    if (other < pair and other >= low) or other >= high:
                         near += abs(now[other])
                         count += 1
                 width = link_starts[2 * pair + 2] - link_starts[2 * pair]

@@ -31,9 +31,7 @@ def code_frames(state, buffer, probabilities, hits, sources):
     kept = 0
     repeats = 0
     for k in range(len(sources)):
-        repeats = code_adaptive(
-            state, buffer, probabilities, hits, FRAME_SLOT + repeats, 1 if sources[k] < kept else 0
-        )
+        repeats = code_adaptive(state, buffer, probabilities, hits, FRAME_SLOT + repeats, 1 if sources[k] < kept else 0)
         if repeats and kept == 0:
             return -1
         if repeats:

@@ -46,7 +46,7 @@ def spread_out(points: FloatArray, count: int) -> IntArray:
 
 
 def compact(labels: IntArray) -> IntArray:
-    """Number the labels in use from 0, in the order of their first vertices."""
+    """Return the labels numbered from 0 without gaps, in the order of their first vertices."""
     _, first, inverse = np.unique(labels, return_index=True, return_inverse=True)
     rank = np.empty(len(first), dtype=np.int64)
     rank[np.argsort(first)] = np.arange(len(first))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from typing import Final
 
@@ -58,7 +59,7 @@ class Encoded:
 def in_runs(values: FloatArray, cuts: IntArray) -> FloatArray:
     """Return the orthonormal cosine coefficients of each run along the first axis."""
     result = np.empty_like(values)
-    for first, stop in zip(cuts[:-1], cuts[1:], strict=True):
+    for first, stop in itertools.pairwise(cuts):
         result[first:stop] = dct(values[first:stop], axis=0, norm="ortho")
     return result
 
@@ -80,9 +81,7 @@ def principal_modes(trajectories: FloatArray, step: float) -> tuple[FloatArray, 
     return energies[:rank].copy(), modes
 
 
-def prepare(
-    trajectories: FloatArray, graph: VertexGraph, labels: IntArray, step: float, *, cut: bool
-) -> list[Cluster]:
+def prepare(trajectories: FloatArray, graph: VertexGraph, labels: IntArray, step: float, *, cut: bool) -> list[Cluster]:
     """Find the modes and the runs of each cluster.
 
     Parameters

@@ -72,9 +72,7 @@ def encode_group(task: GroupTask) -> EncodedGroup:
         step = guess if low < guess < high else math.sqrt(max(low, guess / 4) * min(high, guess * 4))
         task.on_progress(0.4 + 0.6 * (number + 1) / PASSES)
     if best is None:
-        raise InvalidInput(
-            "invalid_params", "The bound is too fine: it could not be met.", "Allow a larger error."
-        )
+        raise InvalidInput("invalid_params", "The bound is too fine: it could not be met.", "Allow a larger error.")
     return EncodedGroup(
         sections=best.sections,
         memory=best.model.memory,

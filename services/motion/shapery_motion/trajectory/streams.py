@@ -21,6 +21,7 @@ ROWS: Final = 8
 """Sets of mixing weights in either stream."""
 COSTS: Final[FloatArray] = np.array([-np.log2(max(k, 0.5) / 4096) for k in range(4097)])
 """Bits of a decision by its probability in 1/4096, for estimates."""
+_NO_TARGETS: Final[FloatArray] = np.zeros((0, 0))
 _EMPTY: Final[FloatArray] = np.zeros((0, 0, 0))
 
 
@@ -113,7 +114,7 @@ class FieldStream:
         self._bases = np.concatenate(([0], np.cumsum(sizes)[:-1]))
         self._trade = trade
 
-    def code(self, tree: PairingTree, rank: int, targets: FloatArray = np.zeros((0, 0))) -> FloatArray:
+    def code(self, tree: PairingTree, rank: int, targets: FloatArray = _NO_TARGETS) -> FloatArray:
         """Code the fields of a cluster, in units of the step; return them (rank, n) as a decoder has them."""
         stream = self._stream
         quantised = np.zeros((rank, tree.vertices), dtype=np.int64)
