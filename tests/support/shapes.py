@@ -12,6 +12,7 @@ from typing import Any
 
 from shapery_contracts.formats import AssetKind, FileFormat
 from shapery_contracts.retrieval import INDEX_VERSION, VECTOR_DIMENSION, LevelSummary, ShapeIndexResult
+from shapery_contracts.states import JobState
 from shapery_platform import publication
 from shapery_platform.db import Database
 from shapery_platform.jobs import ClaimedJob, NewArtifact
@@ -73,7 +74,9 @@ def leave(folder: Path, seed: int) -> None:
         (folder / name).write_bytes(data)
 
 
-def publish(database: Database, store: ObjectStore, job: ClaimedJob, folder: Path, seed: int, **changed: Any) -> bool:
+def publish(
+    database: Database, store: ObjectStore, job: ClaimedJob, folder: Path, seed: int, **changed: Any
+) -> JobState | None:
     """End a claimed ``shape-index`` job as a worker does."""
     folder.mkdir(parents=True, exist_ok=True)
     leave(folder, seed)

@@ -280,8 +280,8 @@ class Attempt:
                     raise
                 except UserError as error:  # the store is full
                     return self._fail(error.code, error.message, error.hint)
-                done = self._end(lambda session: publication.succeed(session, job, result, artifacts, shape))
-                return JobState.SUCCEEDED if done else self._stop()
+                end = self._end(lambda session: publication.succeed(session, job, result, artifacts, shape))
+                return end or self._stop()
             case Failed(code=code, message=message, hint=hint):
                 return self._fail(code, message, hint)
             case Stopped():

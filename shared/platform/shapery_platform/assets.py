@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Collection
 from uuid import UUID
 
 from sqlalchemy.orm import Session
@@ -102,6 +103,11 @@ def delete(session: Session, owner: str, asset_id: UUID) -> None:
     asset.deleted_at = utc_now()
     session.flush()
     blob_repository.mark(session, [asset.sha256], asset.deleted_at)
+
+
+def have_same_content(session: Session, ids: Collection[UUID]) -> bool:
+    """Tell whether assets, also deleted ones, are of the same bytes."""
+    return len(repository.hashes(session, ids)) == 1
 
 
 def view(asset: Asset) -> AssetView:

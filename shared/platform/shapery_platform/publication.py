@@ -16,7 +16,8 @@ from typing import Any
 from sqlalchemy.orm import Session
 
 from shapery_contracts.retrieval import ShapeIndexParams, ShapeIndexResult
-from shapery_platform import jobs
+from shapery_contracts.states import JobState
+from shapery_platform import assets, jobs
 from shapery_platform.db import new_id, utc_now
 from shapery_platform.db.repositories import blobs as blob_repository
 from shapery_platform.db.repositories import collections as collection_repository
@@ -71,17 +72,31 @@ def succeed(
     result: Mapping[str, Any],
     artifacts: Sequence[NewArtifact],
     shape: NewShape | None,
-) -> bool:
+) -> JobState | None:
     """End a job with its result and artifacts, and put its shape into the bank; see `jobs.succeed`.
 
-    A shape that the job was to index again and that was deleted meanwhile does not come back.
+    A shape that the job was to index again and that was deleted meanwhile does not come back. One that was made of
+    another mesh stays as it is, and the job fails: under its id a shape is always of the same mesh, so that whoever
+    keeps a graph need not ask whether it still holds.
+
+    Returns
+    -------
+    The state in which the job ends, or None as `jobs.succeed` is False.
     """
     if shape is None:
-        return jobs.succeed(session, job.job_id, job.lease, result, artifacts)
+        done = jobs.succeed(session, job.job_id, job.lease, result, artifacts)
+        return JobState.SUCCEEDED if done else None
     # The bank's row first, as all do who change shapes.
     revision = repository.change_bank(session, job.owner)
+    replaced = shape.params.replaces
+    known = None if replaced is None else repository.find(session, job.owner, replaced)
+    if known is not None and not assets.have_same_content(session, [known.asset_id, job.inputs["mesh"][0].asset_id]):
+        message = f"The shape {known.id} was made of another mesh."
+        hint = "Index this mesh as a new shape, and delete the other one."
+        done = jobs.fail(session, job.job_id, job.lease, "conflict", message, hint)
+        return JobState.FAILED if done else None
     if not jobs.succeed(session, job.job_id, job.lease, result, artifacts):
-        return False
+        return None
     values = {
         "job_id": job.job_id,
         "asset_id": job.inputs["mesh"][0].asset_id,
@@ -95,12 +110,11 @@ def succeed(
         "arg_size": len(shape.graph),
         "indexed_at": utc_now(),
     }
-    if shape.params.replaces is None:
+    if replaced is None:
         shape_id = _add(session, job, shape, values)
+    elif known is None or known.index_version > shape.result.index_version:
+        return JobState.SUCCEEDED
     else:
-        known = repository.find(session, job.owner, shape.params.replaces)
-        if known is None or known.index_version > shape.result.index_version:
-            return True
         shape_id = known.id
         repository.replace(session, shape_id, values, shape.graph)
     files = [
@@ -109,7 +123,7 @@ def succeed(
         if file.name in FILES
     ]
     blob_repository.mark(session, repository.put_files(session, shape_id, files), utc_now())
-    return True
+    return JobState.SUCCEEDED
 
 
 def _add(session: Session, job: ClaimedJob, shape: NewShape, values: Mapping[str, Any]) -> Any:

@@ -232,9 +232,17 @@ def index(database: Database, local_store: ObjectStore, claim: Claim, tmp_path: 
     """A function that indexes a mesh and returns the shape's id."""
     folders = itertools.count()
 
-    def make(seed: int = 1, owner: str = "ann", changed: dict[str, Any] | None = None, **params: Any) -> UUID:
+    def make(
+        seed: int = 1,
+        owner: str = "ann",
+        changed: dict[str, Any] | None = None,
+        found: int | None = None,
+        **params: Any,
+    ) -> UUID:
+        """`found` is what the handler takes the mesh for, where it is another number."""
         job = claim(seed, owner, **params)
-        assert fake.publish(database, local_store, job, tmp_path / f"out{next(folders)}", seed, **(changed or {}))
+        folder = tmp_path / f"out{next(folders)}"
+        assert fake.publish(database, local_store, job, folder, seed if found is None else found, **(changed or {}))
         with database.session(readonly=True) as session:
             return session.query(Shape.id).where(Shape.job_id == job.job_id).scalar()
 

@@ -131,7 +131,7 @@ def test_indexing_again_replaces_in_place(database: Database, index: Index) -> N
     with database.session(readonly=True) as session:
         before = shapes.view(shapes.get(session, "ann", shape_id))
     assert before.outdated
-    assert index(2, replaces=str(shape_id)) == shape_id
+    assert index(1, found=2, replaces=str(shape_id)) == shape_id
     with database.session(readonly=True) as session:
         after = shapes.view(shapes.get(session, "ann", shape_id))
         assert shapes.graph(session, "ann", shape_id) == fake.graph(2)
@@ -145,7 +145,7 @@ def test_indexing_again_replaces_in_place(database: Database, index: Index) -> N
 
 def test_a_newer_version_is_not_replaced_by_an_older_one(database: Database, index: Index) -> None:
     shape_id = index(1)
-    assert index(2, changed={"index_version": INDEX_VERSION - 1}, replaces=str(shape_id)) is None
+    assert index(1, found=2, changed={"index_version": INDEX_VERSION - 1}, replaces=str(shape_id)) is None
     with database.session(readonly=True) as session:
         assert shapes.graph(session, "ann", shape_id) == fake.graph(1)
 
@@ -159,6 +159,19 @@ def test_a_shape_deleted_while_it_is_indexed_again_stays_deleted(
         shapes.delete(session, "ann", shape_id)
     assert fake.publish(database, local_store, job, tmp_path / "again", 1)
     assert count(database, Shape) == 0
+
+
+def test_a_shape_is_not_replaced_by_another_mesh(
+    database: Database, local_store: ObjectStore, index: Index, claim: Claim, tmp_path: Path
+) -> None:
+    shape_id = index(1)
+    job = claim(2, replaces=str(shape_id))
+    assert fake.publish(database, local_store, job, tmp_path / "other", 2) is JobState.FAILED
+    with database.session(readonly=True) as session:
+        assert shapes.graph(session, "ann", shape_id) == fake.graph(1)
+        ended = jobs.view(jobs.get(session, "ann", job.job_id))
+    assert ended.error is not None
+    assert ended.error.code == "conflict"
 
 
 def test_somebody_elses_shape_is_not_replaced(database: Database, index: Index) -> None:

@@ -45,3 +45,8 @@ def kinds_for_use(session: Session, owner: str, ids: Collection[UUID]) -> dict[U
         )
         found.update({row.id: row.kind for row in rows})
     return found
+
+
+def hashes(session: Session, ids: Collection[UUID]) -> set[str]:
+    """Return the hashes of assets, also of deleted ones."""
+    return set(session.scalars(select(Asset.sha256).where(Asset.id.in_(ids))))
