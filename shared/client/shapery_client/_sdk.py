@@ -9,13 +9,13 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from datetime import datetime
 from pathlib import Path, PurePosixPath
 from types import TracebackType
-from typing import Any, Self, TypeVar
+from typing import Any, Literal, Self
 from uuid import UUID, uuid4
 
 import httpx
 from httpx_sse import EventSource
-from pydantic import BaseModel
 
+from shapery_client._bank import BankCalls, Id
 from shapery_client._errors import ApiError, ConnectionFailed, JobEndedBadly, TransferError
 from shapery_client._transport import Transport
 from shapery_client._uploads import CHUNK, Progress, UploadJournal, upload_file
@@ -31,17 +31,16 @@ from shapery_contracts.api import (
     JobView,
     KeyCreated,
     KeyView,
-    Page,
     Scope,
     ServerInfo,
 )
+from shapery_contracts.shapes import SearchAnswer, SearchRequest
 from shapery_contracts.states import JobState
 
-M = TypeVar("M", bound=BaseModel)
 Inputs = Mapping[str, UUID | str | Sequence[UUID | str]]
 
 
-class Client:
+class Client(BankCalls):
     """A connection to a Shapery server.
 
     Parameters
@@ -305,6 +304,51 @@ class Client:
         """Run the failed and crashed jobs of a batch again, and only those."""
         return self._post(f"/v1/batches/{batch_id}/retry", BatchView)
 
+    # searches; collections and shapes are in `BankCalls`
+
+    def search(
+        self,
+        *,
+        shape: Id | None = None,
+        asset: Id | None = None,
+        region: Sequence[int] | None = None,
+        parts: Sequence[int] | None = None,
+        mode: Literal["global", "partial"] = "global",
+        collection: str | None = None,
+        labels: Mapping[str, str] | None = None,
+        limit: int = 20,
+        rerank: bool = False,
+    ) -> SearchAnswer:
+        """Find shapes like a stored shape or an uploaded mesh, and wait for the answer.
+
+        Raises
+        ------
+        JobEndedBadly
+            It took a job, which did not succeed.
+        """
+        request = SearchRequest(
+            shape_id=None if shape is None else UUID(str(shape)),
+            asset_id=None if asset is None else UUID(str(asset)),
+            region=None if region is None else list(region),
+            parts=None if parts is None else list(parts),
+            mode=mode,
+            collection=collection,
+            labels=dict(labels or {}),
+            limit=limit,
+            rerank=rerank,
+        )
+        response = self._transport.request(
+            "POST",
+            "/v1/search",
+            repeatable=True,
+            headers={"Idempotency-Key": str(uuid4())},
+            json=request.model_dump(mode="json", exclude_none=True),
+        )
+        if response.status_code == 200:
+            return SearchAnswer.model_validate(response.json())
+        job = self.wait(JobView.model_validate(response.json()).id)
+        return self._get(f"/v1/search/{job.id}", SearchAnswer)
+
     # API keys
 
     def create_key(
@@ -323,23 +367,6 @@ class Client:
         self._transport.request("DELETE", f"/v1/keys/{key_id}")
 
     # plumbing
-
-    def _get(self, path: str, model: type[M]) -> M:
-        return model.model_validate(self._transport.request("GET", path).json())
-
-    def _post(self, path: str, model: type[M], *, repeatable: bool = False) -> M:
-        return model.model_validate(self._transport.request("POST", path, repeatable=repeatable).json())
-
-    def _pages(self, path: str, model: type[M], filters: Mapping[str, str]) -> Iterator[M]:
-        cursor: str | None = None
-        while True:
-            query = dict(filters) if cursor is None else {**filters, "cursor": cursor}
-            body = self._transport.request("GET", path, params=query).json()
-            page = Page[model].model_validate(body)  # type: ignore[valid-type]  # a run-time parameter, by design
-            yield from page.items
-            cursor = page.next_cursor
-            if cursor is None:
-                return
 
     def _events(self, path: str, after: int, attempts: int) -> Iterator[str]:
         """Yield the data of server-sent events, resuming after the last one seen."""

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import statistics
+import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -14,6 +17,8 @@ import httpx
 import psutil
 import pytest
 
+from shapery_client import ApiError, Client
+from shapery_client._uploads import UploadJournal
 from shapery_platform.queue import connect
 from tests.integration.worker.conftest import QUICK, migrated
 from tests.support import bank_handlers, measures
@@ -30,8 +35,9 @@ SEEDS = [1, 2, 3, 5, 8, 13]
 class Bench:
     """A stack with a gateway and a worker of the retrieval service, and a client."""
 
-    def __init__(self, stack: Stack, http: httpx.Client) -> None:
+    def __init__(self, stack: Stack, address: str, http: httpx.Client) -> None:
         self.stack = stack
+        self.address = address
         self.http = http
         self.ids: dict[int, str] = {}
 
@@ -89,7 +95,7 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
     ):
         stack.start_worker(service="retrieval", concurrency=1)
         stack.start_reaper()
-        bench = Bench(stack, http)
+        bench = Bench(stack, address, http)
         for seed in SEEDS:
             assert bench.index(seed, collection="fibonacci")["state"] == "succeeded"
         shapes = http.get("/v1/shapes", params={"limit": 100}).json()["items"]
@@ -178,6 +184,48 @@ def test_what_is_added_and_deleted_is_seen_by_the_next_search(bench: Bench) -> N
     bench.http.delete(f"/v1/shapes/{guest['id']}")
     found = {hit["shape_id"] for hit in bench.search(shape_id=bench.ids[5]).json()["hits"]}
     assert found == set(bench.ids.values()) - {bench.ids[5]}
+
+
+def test_the_sdk_and_the_command_line_say_the_same(bench: Bench, tmp_path: Path) -> None:
+    mesh = tmp_path / "guest.obj"
+    mesh.write_bytes(triangle(55))
+    with Client(bench.address, journal=UploadJournal(tmp_path / "journal.json")) as client:
+        asset = client.upload(mesh)
+        made = client.create_collection("sdk", "by the SDK")
+        job = client.submit("shape-index", {"mesh": asset.id}, {"collection": "sdk", "labels": {"by": "sdk"}})
+        client.wait(job.id)
+        (shape,) = client.shapes(collection="sdk", labels={"by": "sdk"}, name="guest")
+        assert client.shape(shape.id).levels[0].parts == 1
+        assert client.shape_file(shape.id, "arg") == fake.graph(55)
+        assert client.update_shape(shape.id, labels={"by": "hand"}).labels == {"by": "hand"}
+        assert client.update_collection(made.id, description="changed").shapes == 1
+        by_shape = client.search(shape=shape.id, collection="fibonacci", limit=3)
+        by_mesh = client.search(asset=asset.id, collection="fibonacci", limit=3)
+        assert [hit.shape_id for hit in by_shape.hits] == [hit.shape_id for hit in by_mesh.hits]
+        assert by_mesh.hits[0].shape.collection == "fibonacci"
+        client.wait(client.reindex_shape(shape.id).id)
+        assert list(client.shapes(outdated=True)) == []
+        with pytest.raises(ApiError, match="outdated"):
+            client.reindex_collection(made.id)
+
+        def shapery(*words: object) -> str:
+            program = [sys.executable, "-m", "shapery_client", *map(str, words), "--server", bench.address]
+            done = subprocess.run(program, capture_output=True, text=True, timeout=60, check=False)
+            assert done.returncode == 0, done.stderr
+            return done.stdout
+
+        (listed,) = json.loads(shapery("shapes", "list", "--label", "by:hand", "--json"))
+        assert listed["id"] == str(shape.id)
+        assert "guest" in shapery("shapes", "list", "--collection", "sdk")
+        assert json.loads(shapery("shapes", "show", shape.id))["asset_id"] == str(asset.id)
+        shapery("shapes", "fetch", shape.id, "--out", tmp_path / "fetched")
+        assert (tmp_path / "fetched" / "mesh.glb").read_bytes() == fake.files(55)["mesh.glb"]
+        assert "sdk" in shapery("collections", "list")
+        shapery("shapes", "delete", shape.id)
+        shapery("collections", "delete", made.id)
+        assert client.collection(json.loads(shapery("collections", "create", "cli", "--json"))["id"]).shapes == 0
+        with pytest.raises(ApiError):
+            client.collection(made.id)
 
 
 @pytest.mark.parametrize("victim", ["self", "watcher"])

@@ -10,7 +10,7 @@ import sys
 
 import typer
 
-from shapery_client.cli import batch, jobs, keys, motion, segment, up, upload
+from shapery_client.cli import batch, collections, jobs, keys, motion, segment, up, upload
 from shapery_client.cli._output import report_error
 
 app = typer.Typer(
@@ -28,6 +28,8 @@ app.command("info")(motion.info)
 app.command("upload")(upload.upload)
 app.add_typer(jobs.app, name="jobs")
 app.add_typer(batch.app, name="batch")
+app.add_typer(collections.collections_app, name="collections")
+app.add_typer(collections.shapes_app, name="shapes")
 app.add_typer(keys.app, name="keys")
 
 
