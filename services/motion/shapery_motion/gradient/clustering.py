@@ -63,8 +63,9 @@ def cluster_faces(
     Returns
     -------
     FaceClusters
-        With at most `count` clusters: fewer where fewer different transformations exist. Clusters are numbered by the
-        first face that has them.
+        With at most `count` clusters: fewer where fewer different transformations exist. They are numbered by the first
+        face that has them; or as in `initial`, so that numbers keep their meaning from frame to frame, and then some
+        may have no faces.
     """
     points = np.ascontiguousarray(gradients.reshape(-1, 9))
     active = np.ascontiguousarray(points[solid])
@@ -91,7 +92,7 @@ def cluster_faces(
         before = total
     kernels.assign(active, np.ascontiguousarray(centres.T), found, distances)
     labels[solid] = found
-    return _numbered(labels, solid, centres)
+    return _numbered(labels, solid, centres) if initial is None else FaceClusters(labels, centres)
 
 
 def cluster_matrices(

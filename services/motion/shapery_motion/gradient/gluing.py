@@ -76,7 +76,9 @@ class Gluing:
             return self.source.solid.astype(np.float64)
         a, b = self.source.columns[:, :, 0], self.source.columns[:, :, 1]
         areas = 0.5 * np.linalg.norm(np.cross(a, b), axis=1) * self.source.solid
-        return np.asarray(areas / max(areas.mean(), np.finfo(float).tiny))
+        # of mean 1, so that the matrix has no unit
+        total = float(areas.sum())
+        return np.asarray(areas * (len(areas) / total if total > 0 else 1.0))
 
     @cached_property
     def _free(self) -> NDArray[np.int64]:
@@ -174,7 +176,8 @@ def choose_anchors(
     Returns
     -------
     (a,) int32
-        Sorted. One in each part (the vertex nearest to its centre), and those asked for.
+        First those that each part needs (the vertex nearest to its centre, those along its boundary), sorted; then the
+        spread ones, each the farthest from all before it.
     """
     points = np.asarray(vertices, dtype=np.float64)
     labels = glued_parts(source, len(points))
@@ -216,4 +219,4 @@ def _spread_out(points: FloatArray, anchors: IntArray, count: int) -> IntArray:
             break
         chosen.append(farthest)
         np.minimum(nearest, ((points - points[farthest]) ** 2).sum(axis=1), out=nearest)
-    return np.array(sorted(chosen), dtype=np.int32)
+    return np.array(chosen, dtype=np.int32)
