@@ -1,0 +1,1 @@
+"""The two methods that the dissertation compares its own with (section 5.3)."""
