@@ -1,0 +1,91 @@
+"""Peers without a model of the motion: rounded coordinates, and what general means make of them."""
+
+from __future__ import annotations
+
+import importlib
+import lzma
+import time
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.motion.case import Case, Coded
+from shapery_motion.gradient.streams import IntegerStream
+from shapery_motion.gradient.traversal import traverse
+
+
+def rounded(case: Case, kg: float) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Return the coordinates in whole steps that give the KG error, and what they stand for."""
+    step = 2 * kg / 100 * case.spread
+    low = case.frames.min(axis=(0, 1))
+    for _ in range(3):
+        whole = np.rint((case.frames - low) / step).astype(np.int64)
+        decoded = low + step * whole
+        error = case.kg(decoded)
+        if 0.99 * kg < error <= kg:
+            break
+        step *= min(0.998 * kg / max(error, 1e-12), 4.0)
+    return whole, decoded
+
+
+def delta_lzma(case: Case, kg: float) -> Coded:
+    """Differences from the frame before, byte plane by byte plane, through lzma.
+
+    The data of such sequences is often kept like this (with zstd in place of lzma, which is not among the packages
+    here; lzma packs smaller).
+    """
+    whole, decoded = rounded(case, kg)
+    changes = np.diff(whole, axis=0, prepend=0).astype(np.int32).transpose(0, 2, 1)
+    folded = ((changes << 1) ^ (changes >> 31)).astype("<u4")
+    planes = np.ascontiguousarray(folded).view(np.uint8).reshape(-1, 4).T
+    used = [plane.tobytes() for plane in planes if plane.any()]
+    data = [lzma.compress(plane, preset=6) for plane in used]
+    start = time.process_time()
+    for packed in data:
+        lzma.decompress(packed)
+    seconds = time.process_time() - start
+    return Coded(sum(map(len, data)) + 32, decoded, seconds)
+
+
+def delta_parallelogram(case: Case, kg: float) -> Coded:
+    """Differences from the frame before, predicted by the parallelogram, through the range coder all peers share."""
+    whole, decoded = rounded(case, kg)
+    walk = traverse(case.faces, case.frames.shape[1])
+    stream = IntegerStream(3)
+    before = np.zeros_like(whole[0])
+    for frame in whole:
+        stream.write(walk.residuals(frame - before))
+        before = frame
+    data = stream.finish()
+    start = time.process_time()
+    reader, before = IntegerStream(3, memoryview(data)), np.zeros_like(whole[0])
+    for _ in whole:
+        before = before + walk.values(reader.read(len(before)))
+    seconds = time.process_time() - start
+    assert np.array_equal(before, whole[-1])
+    return Coded(len(data) + 32, decoded, seconds)
+
+
+def draco(case: Case, kg: float) -> Coded | None:
+    """Draco for every frame by itself, connectivity included, with as few bits of quantisation as reach the error.
+
+    Needs the package DracoPy, which is not among those of development.
+    """
+    try:
+        codec: Any = importlib.import_module("DracoPy")
+    except ModuleNotFoundError:
+        return None
+    for bits in range(6, 21):
+        start = time.process_time()
+        total, decoded = 0, np.empty_like(case.frames)
+        for number, frame in enumerate(case.frames):
+            data = codec.encode(
+                frame.astype(np.float32), case.faces.astype(np.uint32), quantization_bits=bits, preserve_order=True,
+                compression_level=10,
+            )  # fmt: skip
+            total += len(data)
+            decoded[number] = codec.decode(data).points
+        if case.kg(decoded) <= kg:
+            return Coded(total, decoded, time.process_time() - start, settings={"bits": bits})
+    return None
