@@ -17,7 +17,7 @@ STATIC := services/gateway/shapery_gateway/static
 PYTEST := $(BIN)/python -m pytest
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: help setup demo up test test-fast check format schema lock bench clean
+.PHONY: help setup demo up test test-fast check format schema lock bench bench-motion clean
 
 help: ## show this list
 	@grep -hE '^[a-z-]+:.*## ' Makefile | sed -E 's/:.*## /\t/' | expand -t 16
@@ -83,6 +83,9 @@ lock: $(VENV)/.locked ## resolve the locked versions anew (UPGRADE=1 takes newer
 bench: setup ## measure: segmentation on real cases and phantoms, upload memory
 	$(BIN)/python -m benchmarks.segmentation
 	$(BIN)/python -m benchmarks.upload_memory
+
+bench-motion: setup ## measure motion compression beside its peers; takes long, goes on where it was stopped (BENCH=options)
+	$(BIN)/python -m benchmarks.motion $(BENCH)
 
 clean: ## remove what set-up and builds made
 	rm -rf $(VENV) $(STATIC) $(DASHBOARD)/node_modules $(DASHBOARD)/dist .mypy_cache .ruff_cache .pytest_cache
