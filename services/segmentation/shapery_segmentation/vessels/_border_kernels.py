@@ -370,3 +370,17 @@ def wall_offsets(
             sharp = 1.0 if s < 0 else (-1.0 if s > 0 else 0.0)
             total += weight * (f - sharp)
         offset[n] = 0.5 * step * total
+
+
+@njit(cache=True, nogil=True)
+def relative_field(
+    smoothed: Array, inner: Array, outer: Array, size: float, voxels: Array, low: Array, field: Array
+) -> None:
+    """Write `relative` of a smoothed volume at some voxels into a box that begins at the voxel `low`."""
+    for n in range(voxels.shape[0]):
+        i, j, k = voxels[n]
+        high, ground = sample_blocks(inner, size, i, j, k), sample_blocks(outer, size, i, j, k)
+        half = 0.5 * (high - ground)
+        if half > 0.0:
+            value = (smoothed[i, j, k] - 0.5 * (high + ground)) / half
+            field[i - low[0], j - low[1], k - low[2]] = min(max(value, -1.0), 1.0)

@@ -95,7 +95,8 @@ def find_centerlines(mask: BoolArray, grid: Volume) -> tuple[Branch, ...]:
     branches: list[Branch] = []
     for tree, part in enumerate(np.argsort(-sizes, kind="stable")):
         paths = _paths(ranks, voxels, inner, by_part[part], steps, lengths, spacing)
-        branches += _measured(paths, centers, by_part[part], inner, grid.voxel_volume, tree)
+        if paths:
+            branches += _measured(paths, centers, by_part[part], inner, grid.voxel_volume, tree)
     return tuple(branches)
 
 
@@ -181,7 +182,7 @@ def _measured(
         moved, radii = [], []
         for number, line in enumerate(lines):
             own = slice(start[number], start[number + 1])
-            amount, total = _windowed(count[own].astype(np.float64)), _windowed(sums[own])
+            amount, total = _windowed(count[own]), _windowed(sums[own].astype(np.float64))
             place = np.where(amount[:, None] > 0, total / np.maximum(amount, 1e-9)[:, None], line)
             # Across only: along, the nearest voxels of an end lie beyond it.
             along = np.gradient(line, axis=0) if len(line) > 1 else np.zeros_like(line)

@@ -11,25 +11,16 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
 from shapery_contracts.errors import InvalidInput
-from shapery_geometry.intersections import self_intersections
 from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.rasterize import rasterize
 from shapery_geometry.volume import Reorientation, Volume
-from shapery_segmentation.mesh.dynamic_mesh import DynamicMesh
-from shapery_segmentation.seeding.ball import surface_of
 from shapery_segmentation.vessels.border import Border, find_border
 from shapery_segmentation.vessels.centerline import Branch, find_centerlines
 from shapery_segmentation.vessels.evidence import Evidence, gather_evidence
-from shapery_segmentation.vessels.fit import fit_surface
+from shapery_segmentation.vessels.tracking import edge_length, relative_box, track_tree
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
-
-EDGE = 0.8
-"""Length of the surface's edges in voxels: a vessel of 1.5 voxels radius still has twelve corners around it."""
-
-LARGEST_SURFACE = 400_000
-"""Vertices at about which edges get longer instead."""
 
 REACH = 12.0
 """mm around a tumor within which vessels are seeded; once found they are followed as far as they go."""
@@ -62,11 +53,14 @@ class VesselTree:
         See `shapery_segmentation.vessels.centerline.Branch`.
     volume_mm3
         Inside the surface.
+    model
+        The flow that made it, see `shapery_segmentation.vessels.tracking.Tracked`.
     """
 
     surface: TriangleMesh
     branches: tuple[Branch, ...]
     volume_mm3: float
+    model: Literal["tangential", "normal", "rebuilt"]
 
     @property
     def length_mm(self) -> float:
@@ -222,9 +216,9 @@ def _trees(
     mask = np.zeros(grid.shape, dtype=np.bool_)
     if not len(border.voxels):
         return [], mask
-    low = border.voxels.min(axis=0)
-    box = tuple(slice(int(a), int(b) + 1) for a, b in zip(low, border.voxels.max(axis=0), strict=True))
-    labels, count = ndimage.label(border.inside[box] == 1, np.ones((3, 3, 3)))
+    field = relative_box(evidence, border, grid)
+    check()
+    labels, count = ndimage.label(field.depth > 0, np.ones((3, 3, 3)))
     sizes = np.bincount(labels.ravel(), minlength=count + 1)
     sizes[0] = 0
     least = max(LEAST_VOXELS, 0 if given else LEAST_TREE * sizes.max())
@@ -236,37 +230,25 @@ def _trees(
         check()
         place = places[label - 1]
         part = labels[place] == label
-        corner = low + [s.start for s in place]
-        affine = grid.affine.copy()
+        corner = np.array([s.start for s in place])
+        affine = field.affine.copy()
         affine[:3, 3] += affine[:3, :3] @ corner
-        if not _is_vessel(find_centerlines(part, Volume(part, affine)), grid, int(sizes[label])):
+        rough = find_centerlines(part, Volume(part, affine))
+        if not _is_vessel(rough, grid, int(sizes[label])):
             continue
-        surface = _surface(part, affine, evidence, border, grid, check)
-        inside = rasterize(surface, grid)
+        radii = np.concatenate([branch.radii for branch in rough])
+        wall = 2.0 * np.pi * float(radii.mean()) * sum(branch.length for branch in rough)
+        edge = edge_length(grid, float(np.percentile(radii, 10)), wall)
+        tracked = track_tree(
+            np.argwhere(part) + corner + field.low, field, edge, evidence, border, grid, check_cancelled=check
+        )
+        inside = rasterize(tracked.surface, grid)
+        check()
         branches = find_centerlines(inside & ~mask, grid)
         mask |= inside
         if branches:
-            trees.append(VesselTree(surface, branches, float(surface.volume)))
+            trees.append(VesselTree(tracked.surface, branches, float(tracked.surface.volume), tracked.model))
     return trees, mask
-
-
-def _surface(
-    part: BoolArray, affine: FloatArray, evidence: Evidence, border: Border, grid: Volume, check: Callable[[], None]
-) -> TriangleMesh:
-    voxel = grid.voxel_volume ** (1 / 3)
-    start = surface_of(part, affine)
-    edge = EDGE * max(min(grid.spacing), 0.75 * voxel)
-    edge *= max(1.0, np.sqrt(start.area / (0.87 * edge * edge) / LARGEST_SURFACE))
-    mesh = DynamicMesh(start, edge)
-    mesh.remesh(rounds=8)
-    check()
-    fit_surface(mesh, evidence, border, grid, check_cancelled=check)
-    surface = mesh.to_triangle_mesh()
-    # Every move was tested as it was made; this is the independent exact test of what is given out.
-    crossing = len(self_intersections(surface))
-    if crossing:
-        raise RuntimeError(f"{crossing} pairs of faces of a vessel's surface intersect")
-    return surface
 
 
 def _is_vessel(branches: tuple[Branch, ...], grid: Volume, voxels: int) -> bool:
