@@ -13,20 +13,30 @@ from sqlalchemy import select
 
 from shapery_contracts.api import BatchHeader, BatchItem, JobCreate
 from shapery_contracts.errors import UserError
-from shapery_platform import assets, batches, jobs, keys, uploads
+from shapery_contracts.retrieval import INDEX_VERSION
+from shapery_contracts.shapes import CollectionCreate, CollectionUpdate, ShapeUpdate
+from shapery_platform import assets, batches, collections, jobs, keys, shapes, uploads
 from shapery_platform.db import Database
 from shapery_platform.db.models import Base
 from shapery_platform.jobs import ClaimedJob, NewArtifact
 from shapery_platform.settings import Settings
 from shapery_platform.storage import ObjectStore, UploadStaging
+from tests.integration.platform.conftest import Index
 
-MODULES: tuple[ModuleType, ...] = (assets, batches, jobs, keys, uploads)
+MODULES: tuple[ModuleType, ...] = (assets, batches, collections, jobs, keys, shapes, uploads)
 
-MAKES_SOMETHING_NEW = {"assets.create_from_upload", "keys.create", "uploads.create"}
+MAKES_SOMETHING_NEW = {"assets.create_from_upload", "collections.create", "keys.create", "uploads.create"}
 """They name whose the new thing shall be, and read nothing."""
-LISTS = {"assets.list_assets", "batches.list_batches", "jobs.list_jobs", "keys.list_keys"}
-GIVES_NOTHING = {"jobs.events_after"}
-"""An empty list and not an error: the stream asked whether the job exists before it began."""
+LISTS = {
+    "assets.list_assets",
+    "batches.list_batches",
+    "collections.list_collections",
+    "jobs.list_jobs",
+    "keys.list_keys",
+    "shapes.list_shapes",
+}
+GIVES_NOTHING = {"jobs.events_after", "shapes.outdated", "shapes.some"}
+"""An empty list and not an error: whoever asks knows already that the job or the collection exists."""
 
 
 def owned_functions() -> dict[str, Callable[..., Any]]:
@@ -51,18 +61,21 @@ def things(
     settings: Settings,
     new_asset: Callable[..., UUID],
     claimed: Callable[..., ClaimedJob],
+    index: Index,
 ) -> dict[str, Any]:
     """One of everything that Ann has."""
     job = claimed("ann")
     blob = local_store.put_bytes(b"labels")
     staging = UploadStaging.over(local_store)
     asset_id = new_asset("ann", b"another")
+    shape_id = index(1, "ann", changed={"index_version": INDEX_VERSION - 1}, collection="bones", name="labels.nii.gz")
     with database.session() as session:
         jobs.succeed(session, job.job_id, job.lease, {}, [NewArtifact("labels.nii.gz", blob.sha256, blob.size)])
         upload = uploads.create(session, staging, settings, "ann", 10, {})
         key, _ = keys.create(session, "key", ["read"], owner="ann")
         header = BatchHeader(kind="segmentation")
         batch, _ = batches.create(session, settings, "ann", header, [BatchItem(inputs={"post": asset_id})])
+        collection_id = collections.named(session, "ann", "bones")
     return {
         "database": database,
         "store": local_store,
@@ -76,7 +89,15 @@ def things(
         "name": "labels.nii.gz",
         "offset": 0,
         "chunks": [b"0123456789"],
-        "request": JobCreate(kind="segmentation", inputs={"post": asset_id}),
+        "shape_id": shape_id,
+        "collection_id": collection_id,
+        "ids": [shape_id],
+        "limit": 10,
+        "with_shapes": True,
+        "JobCreate": JobCreate(kind="segmentation", inputs={"post": asset_id}),
+        "CollectionCreate": CollectionCreate(name="mine"),
+        "CollectionUpdate": CollectionUpdate(name="mine"),
+        "ShapeUpdate": ShapeUpdate(name="mine"),
         "header": header,
         "items": [BatchItem(inputs={"post": asset_id})],
     }
@@ -93,6 +114,8 @@ def call(function: Callable[..., Any], things: dict[str, Any], owner: str) -> An
     parameters = inspect.signature(function).parameters
     with things["database"].session() as session:
         known = {**things, "session": session, "owner": owner}
+        if "request" in parameters:
+            known["request"] = things[parameters["request"].annotation]
         arguments = {name: known[name] for name in parameters if name in known and name != "batch_id"}
         if "batch_id" in parameters and parameters["batch_id"].default is inspect.Parameter.empty:
             arguments["batch_id"] = known["batch_id"]
@@ -130,5 +153,6 @@ def test_lists_of_somebody_else_are_empty(things: dict[str, Any], name: str) -> 
 def test_the_walk_finds_the_functions() -> None:
     names = owned_functions().keys()
     assert names >= {"jobs.get", "jobs.cancel", "jobs.retry", "jobs.artifact", "assets.get", "assets.delete"}
+    assert names >= {"shapes.get", "shapes.update", "shapes.delete", "shapes.graph", "collections.delete"}
     assert names >= {"batches.results", "batches.cancel", "uploads.get", "uploads.append", "uploads.finish"}
     assert names >= MAKES_SOMETHING_NEW | LISTS | GIVES_NOTHING

@@ -12,7 +12,13 @@ from sqlalchemy.orm import Session
 
 from shapery_contracts.states import JobState
 from shapery_platform.db import Database, new_id, utc_now
-from shapery_platform.db.repositories import batches, blobs, jobs
+from shapery_platform.db.repositories import bank, batches, blobs, jobs, shapes
+
+
+def page_of_shapes(session: Session, **filters: Any) -> Any:
+    narrowed = {"collection_id": None, "labels": {}, "name": None, "outdated_at": None, **filters}
+    return shapes.page(session, "ann", new_id(), 10, **narrowed)
+
 
 QUERIES: dict[str, tuple[Callable[[Session], Any], str]] = {
     "silent workers": (lambda s: jobs.silent_since(s, utc_now(), 10), "ix_jobs_live"),
@@ -37,6 +43,17 @@ QUERIES: dict[str, tuple[Callable[[Session], Any], str]] = {
     ),
     "counts of a batch": (lambda s: batches.counts(s, [new_id()]), "ix_jobs_batch_id_state"),
     "results of a batch": (lambda s: batches.jobs_after(s, new_id(), 3, 10), "sqlite_autoindex_jobs"),
+    "a page of shapes": (lambda s: page_of_shapes(s), "ix_shapes_owner_id"),
+    "a page of a collection": (
+        lambda s: page_of_shapes(s, collection_id=new_id()),
+        "ix_shapes_collection_id_id",
+    ),
+    "a page of labelled shapes": (
+        lambda s: page_of_shapes(s, labels={"side": "left"}),
+        "sqlite_autoindex_shape_labels",
+    ),
+    "shapes changed since": (lambda s: list(bank.vectors_after(s, "ann", 7)), "ix_shapes_owner_revision"),
+    "whether a blob is kept": (lambda s: blobs.is_kept(s, "a" * 64), "ix_shape_files_sha256"),
     "blobs to sweep": (lambda s: blobs.due(s, utc_now(), 10), "ix_blobs_check_after"),
     "whether a blob is read": (lambda s: blobs.is_read(s, "a" * 64), "ix_assets_sha256"),
 }
@@ -57,3 +74,4 @@ def test_sqlite_uses_the_index(migrated_sqlite: Path, name: str) -> None:
     assert index in steps
     assert "SCAN jobs" not in steps
     assert "SCAN blobs" not in steps
+    assert "SCAN shapes" not in steps

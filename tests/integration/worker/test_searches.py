@@ -19,6 +19,8 @@ import pytest
 
 from shapery_client import ApiError, Client
 from shapery_client._uploads import UploadJournal
+from shapery_contracts.api import Scope
+from shapery_platform import keys
 from shapery_platform.queue import connect
 from tests.integration.worker.conftest import QUICK, migrated
 from tests.support import bank_handlers, measures
@@ -184,6 +186,50 @@ def test_what_is_added_and_deleted_is_seen_by_the_next_search(bench: Bench) -> N
     bench.http.delete(f"/v1/shapes/{guest['id']}")
     found = {hit["shape_id"] for hit in bench.search(shape_id=bench.ids[5]).json()["hits"]}
     assert found == set(bench.ids.values()) - {bench.ids[5]}
+
+
+def test_each_owner_finds_their_own(bench: Bench) -> None:
+    """Another gateway on the same platform, which asks for keys: the shapes there are belong to nobody who has one."""
+    stack = bench.stack
+    settings = stack.settings.model_copy(update={"port": 0, "auth": "keys", "rate_limit_per_minute": 0})
+    with stack.database.session() as session:
+        secrets = {
+            name: keys.create(session, name, scopes, owner=owner)[1]
+            for name, owner, scopes in (
+                ("ann", "ann", [Scope.READ, Scope.WRITE]),
+                ("ann's reader", "ann", [Scope.READ]),
+                ("bob", "bob", [Scope.READ, Scope.WRITE]),
+            )
+        }
+    with served(settings) as address:
+        clients = {
+            name: httpx.Client(base_url=address, headers={"X-API-Key": secret}, timeout=60)
+            for name, secret in secrets.items()
+        }
+        ids = {}
+        assets = {}
+        for name in ("ann", "bob"):
+            one = Bench(stack, address, clients[name])
+            assert one.index(5)["state"] == one.index(6)["state"] == "succeeded"
+            found = clients[name].get("/v1/shapes", params={"name": "shape 5"}).json()["items"]
+            ids[name], assets[name] = found[0]["id"], found[0]["asset_id"]
+
+        def search(name: str, **request: Any) -> httpx.Response:
+            return clients[name].post("/v1/search", json=request, params={"wait": 20})
+
+        for name in ("ann", "ann's reader", "bob"):
+            owner = name.partition("'")[0]
+            answer = search(name, shape_id=ids[owner])
+            assert answer.status_code == 200, answer.text
+            assert [hit["shape"]["name"] for hit in answer.json()["hits"]] == ["shape 6"]
+        by_mesh = search("bob", asset_id=assets["bob"]).json()
+        assert {hit["shape"]["name"] for hit in by_mesh["hits"]} == {"shape 5", "shape 6"}
+        assert search("bob", shape_id=ids["ann"]).status_code == 404
+        assert search("bob", asset_id=assets["ann"]).status_code == 404
+        assert clients["ann"].get(f"/v1/search/{by_mesh['job_id']}").status_code == 404
+        assert search("ann's reader", asset_id=assets["ann"]).json()["code"] == "forbidden"
+        for client in clients.values():
+            client.close()
 
 
 def test_the_sdk_and_the_command_line_say_the_same(bench: Bench, tmp_path: Path) -> None:

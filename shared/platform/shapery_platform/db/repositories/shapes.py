@@ -50,7 +50,9 @@ def page(
     outdated_at: int | None,
 ) -> Sequence[Shape]:
     """Return shapes, the newest first, that are older than `before`."""
-    query = select(Shape).where(Shape.owner == owner, *narrowed(collection_id, labels))
+    # As in `jobs.page`: a collection's shapes are few among all those of its owner.
+    owned = (Shape.owner if collection_id is None else Shape.owner.concat("")) == owner
+    query = select(Shape).where(owned, *narrowed(collection_id, labels))
     if before is not None:
         query = query.where(Shape.id < before)
     if name is not None:
