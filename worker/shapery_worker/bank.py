@@ -22,9 +22,10 @@ from shapery_platform.db.types import pack_vector
 
 DEFAULT_ROOM = 512 << 20
 """Bytes that are kept in memory, beyond those of the owner who searches."""
-_REFINED = 4
-"""So many times the wanted number is measured again in 64 bits, so that rounding does not decide who is among them."""
-_BLOCK = 16384
+_MARGIN = 64
+"""So many more than are wanted are measured again in 64 bits, so that rounding does not decide who is among them."""
+_BLOCK = 512
+"""Vectors compared at a time: what they differ by stays in the processor's cache."""
 
 NO_FILTER = ShapeFilter()
 
@@ -73,16 +74,20 @@ class VectorTable:
         self, vector: npt.NDArray[np.float64], limit: int, rows: npt.NDArray[np.intp] | None
     ) -> list[tuple[UUID, float]]:
         """Return ids and Euclidean distances of the nearest vectors, among `rows` only where they are given."""
-        known = self._vectors[: len(self.ids)] if rows is None else self._vectors[rows]
-        squares = np.empty(len(known), np.float32)
+        count = len(self.ids) if rows is None else len(rows)
+        squares = np.empty(count, np.float32)
         query = vector.astype(np.float32)
-        for begin in range(0, len(known), _BLOCK):
+        room = np.empty((_BLOCK, VECTOR_DIMENSION), np.float32)
+        for begin in range(0, count, _BLOCK):
+            end = min(count, begin + _BLOCK)
+            known = self._vectors[begin:end] if rows is None else self._vectors[rows[begin:end]]
+            difference = np.subtract(known, query, out=room[: end - begin])
             # no BLAS: processes are forked from here, and its threads would not come along
-            difference = known[begin : begin + _BLOCK] - query
-            np.einsum("ij,ij->i", difference, difference, out=squares[begin : begin + _BLOCK])
-        wide = min(len(known), _REFINED * limit)
-        chosen = np.argpartition(squares, wide - 1)[:wide] if wide < len(known) else np.arange(len(known))
-        exact = np.sqrt(np.square(known[chosen].astype(np.float64) - vector).sum(axis=1))
+            np.einsum("ij,ij->i", difference, difference, out=squares[begin:end])
+        wide = min(count, limit + _MARGIN)
+        chosen = np.argpartition(squares, wide - 1)[:wide] if wide < count else np.arange(count)
+        measured = self._vectors[chosen if rows is None else rows[chosen]].astype(np.float64)
+        exact = np.sqrt(np.square(measured - vector).sum(axis=1))
         found = [
             (self.ids[row if rows is None else rows[row]], float(distance))
             for row, distance in zip(chosen.tolist(), exact.tolist(), strict=True)
