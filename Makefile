@@ -38,6 +38,7 @@ $(VENV)/.ready: $(VENV)/.locked $(MEMBERS:%=%/pyproject.toml)
 	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation $(MEMBERS:%=-e %)
 	@echo "compiling the numerical kernels (once)"
 	@$(BIN)/python -m shapery_segmentation.warm
+	@$(BIN)/python -m shapery_retrieval.warm
 	@touch $@
 
 # The dashboard is built by the system's Node.js if that is recent enough, else by one from the Python registry.

@@ -2,10 +2,139 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapery_contracts.errors import InvalidInput
 from shapery_geometry.mesh import TriangleMesh
+from shapery_geometry.operators.surface_distance import closest_points
 from shapery_retrieval.arg import Arg
+from shapery_retrieval.decompose import Decomposition, decompose
+from shapery_retrieval.nodes import build_levels
+from shapery_retrieval.normalise import NormalisedMesh, normalise
+from shapery_retrieval.signals import Signals, compute_signals
+from shapery_retrieval.whole import whole_descriptors
+
+OnStage = Callable[[str], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Description:
+    """All that was found out about one mesh.
+
+    Attributes
+    ----------
+    arg
+        What is stored and compared.
+    normalised, signals, decomposition
+        The surface as it was analysed, what is known at its vertices, and its parts.
+    seconds
+        Wall time of each stage by name.
+    """
+
+    arg: Arg
+    normalised: NormalisedMesh
+    signals: Signals
+    decomposition: Decomposition
+    seconds: dict[str, float]
+
+    def labels_on(self, mesh: TriangleMesh, level: int) -> NDArray[np.int64]:
+        """(n,) part of each vertex of another version of the same surface, in the given mesh's own frame and unit.
+
+        Notes
+        -----
+        Each vertex takes the part of the nearest point of the analysed surface.
+        """
+        labels = self.decomposition.vertex_labels(level)
+        own = self.normalised
+        placed = (mesh.vertices - own.centre) * own.scale
+        nearest = closest_points(own.mesh, placed)
+        corner = own.mesh.faces[nearest.faces, np.argmax(nearest.barycentric, axis=1)]
+        return np.asarray(labels[corner])
+
+    def region_shares(self, mesh: TriangleMesh, faces: Sequence[int]) -> list[NDArray[np.float64]]:
+        """For each level the (k,) share of each part's area that lies in a region of the mesh as it was read.
+
+        Raises
+        ------
+        InvalidInput
+            ``invalid_params`` for a face that does not exist.
+        """
+        chosen = np.asarray(faces, dtype=np.int64)
+        if chosen.max() >= len(mesh.faces):
+            raise InvalidInput(
+                "invalid_params", f"The region names face {chosen.max()}, but the mesh has {len(mesh.faces)} faces."
+            )
+        inside = np.zeros(len(mesh.faces), dtype=bool)
+        inside[chosen] = True
+        own = self.normalised
+        nearest = closest_points(mesh, own.mesh.vertices / own.scale + own.centre)
+        covered = inside[nearest.faces] * self.signals.areas
+        shares = []
+        for level in range(len(self.decomposition.levels)):
+            labels = self.decomposition.vertex_labels(level)
+            whole = np.bincount(labels, weights=self.signals.areas)
+            shares.append(np.bincount(labels, weights=covered, minlength=len(whole)) / whole)
+        return shares
+
+
+def describe(mesh: TriangleMesh, *, on_stage: OnStage | None = None) -> Description:
+    """Analyse a mesh.
+
+    Parameters
+    ----------
+    mesh
+        Any mesh, in any unit and pose.
+    on_stage
+        Called with the name of each stage as it begins.
+
+    Raises
+    ------
+    InvalidInput
+        ``empty_content`` or ``invalid_mesh`` for what has no surface that could be described.
+    Unavailable
+        ``missing_dependency`` where the mesh is large and the library that reduces it is not installed.
+    """
+    seconds: dict[str, float] = {}
+    began = time.perf_counter()
+
+    def stage(name: str) -> None:
+        if on_stage is not None:
+            on_stage(name)
+        nonlocal began
+        began = time.perf_counter()
+
+    def done(name: str) -> None:
+        seconds[name] = time.perf_counter() - began
+
+    stage("normalise")
+    normalised = normalise(mesh)
+    done("normalise")
+    stage("describe")
+    signals = compute_signals(normalised)
+    done("describe")
+    stage("decompose")
+    decomposition = decompose(signals)
+    surface = normalised.mesh
+    edges = np.concatenate((surface.edges.astype(np.int64), normalised.links.ends))
+    levels = build_levels(signals, decomposition, edges)
+    done("decompose")
+    stage("views")
+    whole = whole_descriptors(surface, signals)
+    done("views")
+    # written and read once, so that what is compared now is exactly what will be compared later
+    arg = Arg.from_bytes(Arg(levels, MappingProxyType(whole)).to_bytes())
+    return Description(arg, normalised, signals, decomposition, seconds)
 
 
 def build_arg(mesh: TriangleMesh) -> Arg:
-    """Return the graph of a mesh."""
-    raise NotImplementedError
+    """Return the graph of a mesh; see `describe` for what it refuses.
+
+    The same surface gives the same graph, bit for bit, in whatever order its vertices and faces are.
+    """
+    return describe(mesh).arg

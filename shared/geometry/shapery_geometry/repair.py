@@ -89,7 +89,9 @@ class Repair:
 
     def then(self, other: Repair) -> Repair:
         """Return both as one; `other` was done on this result."""
-        moved = np.where(self.vertex_map >= 0, other.vertex_map[self.vertex_map], np.int32(-1))
+        moved = np.full(len(self.vertex_map), -1, dtype=np.int32)
+        kept = self.vertex_map >= 0
+        moved[kept] = other.vertex_map[self.vertex_map[kept]]
         return Repair(other.mesh, self.changes + other.changes, moved, self.face_source[other.face_source])
 
 

@@ -10,7 +10,7 @@ import sys
 
 import typer
 
-from shapery_client.cli import batch, collections, jobs, keys, motion, segment, up, upload
+from shapery_client.cli import batch, collections, jobs, keys, motion, segment, shapes, up, upload
 from shapery_client.cli._output import report_error
 
 app = typer.Typer(
@@ -22,6 +22,9 @@ app = typer.Typer(
 )
 app.command("up")(up.up)
 app.command("segment")(segment.segment)
+app.command("index")(shapes.index)
+app.command("search")(shapes.search)
+app.command("matrix")(shapes.matrix)
 app.command("encode")(motion.encode)
 app.command("decode")(motion.decode)
 app.command("info")(motion.info)

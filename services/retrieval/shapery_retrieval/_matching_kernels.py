@@ -1,0 +1,166 @@
+"""Compiled loops of `shapery_retrieval.matching`: fused Gromov–Wasserstein transport between small graphs."""
+
+# mypy: allow-untyped-defs, allow-untyped-calls
+
+import numpy as np
+from numba import njit
+
+_FAST = {
+    "cache": True,
+    "nogil": True,
+    "error_model": "numpy",
+    "fastmath": {"nnan", "ninf", "nsz", "reassoc", "contract"},
+}
+
+
+@njit(**_FAST)
+def _node_costs(features, other, squares, other_squares, k, l, cost):  # noqa: E741
+    """Squared distance between the features of every two nodes."""
+    d = features.shape[1]
+    for i in range(k):
+        for j in range(l):
+            dot = np.float32(0.0)
+            for c in range(d):
+                dot += features[i, c] * other[j, c]
+            cost[i, j] = max(squares[i] + other_squares[j] - 2 * dot, np.float32(0.0))
+
+
+@njit(**_FAST)
+def _balance(kernel, masses, other, k, l, rounds, relaxed, plan):  # noqa: E741
+    """Scale a kernel to the given margins, both sides at once, so that the plan of (y, x) is that of (x, y) transposed.
+
+    With `relaxed` only the first margin is met.
+    """
+    u = np.ones(k, dtype=np.float32)
+    v = np.ones(l, dtype=np.float32)
+    for j in range(l):
+        if other[j] <= 0:
+            v[j] = 0.0
+    rows = np.empty(k, dtype=np.float32)
+    columns = np.empty(l, dtype=np.float32)
+    if relaxed:
+        for j in range(l):
+            v[j] = other[j]
+    else:
+        for _ in range(rounds):
+            for j in range(l):
+                columns[j] = 0.0
+            for i in range(k):
+                total = np.float32(0.0)
+                ui = u[i]
+                for j in range(l):
+                    value = kernel[i, j]
+                    total += value * v[j]
+                    columns[j] += value * ui
+                rows[i] = total
+            for i in range(k):
+                u[i] = np.sqrt(u[i] * masses[i] / max(rows[i], np.float32(1e-30)))
+            for j in range(l):
+                v[j] = np.sqrt(v[j] * other[j] / max(columns[j], np.float32(1e-30)))
+    total = np.float32(0.0)
+    for i in range(k):
+        row = np.float32(0.0)
+        for j in range(l):
+            plan[i, j] = u[i] * kernel[i, j] * v[j]
+            row += plan[i, j]
+        if relaxed:
+            for j in range(l):
+                plan[i, j] *= masses[i] / max(row, np.float32(1e-30))
+            row = masses[i]
+        total += row
+    if not relaxed:
+        for i in range(k):
+            for j in range(l):
+                plan[i, j] /= max(total, np.float32(1e-30))
+
+
+@njit(**_FAST)
+def transport(
+    masses, features, squares, distances, other_masses, other_features, other_squares, other_distances,
+    alpha, epsilon, outer, rounds, relaxed, plan,
+):  # fmt: skip
+    """Fill `plan` (k, l) and return its cost: (1 − α)⟨M, T⟩ + α Σ (C_ik − D_jl)² T_ij T_kl."""
+    k, l = len(masses), len(other_masses)  # noqa: E741
+    cost = np.empty((k, l), dtype=np.float32)
+    _node_costs(features, other_features, squares, other_squares, k, l, cost)
+    kernel = np.empty((k, l), dtype=np.float32)
+    gradient = np.empty((k, l), dtype=np.float32)
+    half = np.empty((k, l), dtype=np.float32)
+    left = np.empty(k, dtype=np.float32)
+    right = np.empty(l, dtype=np.float32)
+    beta = np.float32(1.0) - alpha
+    for i in range(k):
+        for j in range(l):
+            gradient[i, j] = cost[i, j]
+    linear = np.float32(0.0)
+    structure = np.float32(0.0)
+    for _ in range(outer + 1):
+        # the first plan is that of the nodes alone
+        for i in range(k):
+            low = np.float32(1e30)
+            for j in range(l):
+                low = min(low, gradient[i, j])
+            for j in range(l):
+                # bounded, so that no column vanishes in single precision
+                kernel[i, j] = np.exp(-min((gradient[i, j] - low) / epsilon, np.float32(30.0)))
+        _balance(kernel, masses, other_masses, k, l, rounds, relaxed, plan)
+        # Σ_kl (C_ik − D_jl)² T_kl = (C² T1)_i + (D² Tᵀ1)_j − 2 (C T D)_ij
+        for i in range(k):
+            row = np.float32(0.0)
+            for j in range(l):
+                row += plan[i, j]
+            left[i] = row
+        for j in range(l):
+            right[j] = 0.0
+        for i in range(k):
+            for j in range(l):
+                right[j] += plan[i, j]
+        for i in range(k):
+            for j in range(l):
+                half[i, j] = 0.0
+            for a in range(k):
+                c = distances[i, a]
+                for j in range(l):
+                    half[i, j] += c * plan[a, j]
+        for i in range(k):
+            own = np.float32(0.0)
+            for a in range(k):
+                own += distances[i, a] * distances[i, a] * left[a]
+            for j in range(l):
+                gradient[i, j] = own
+            for b in range(l):
+                h = -2 * half[i, b]
+                for j in range(l):
+                    gradient[i, j] += h * other_distances[b, j]
+        for j in range(l):
+            own = np.float32(0.0)
+            for b in range(l):
+                own += other_distances[j, b] * other_distances[j, b] * right[b]
+            for i in range(k):
+                gradient[i, j] += own
+        linear = np.float32(0.0)
+        structure = np.float32(0.0)
+        for i in range(k):
+            for j in range(l):
+                linear += cost[i, j] * plan[i, j]
+                structure += gradient[i, j] * plan[i, j]
+                gradient[i, j] = beta * cost[i, j] + 2 * alpha * gradient[i, j]
+    return beta * linear + alpha * structure
+
+
+@njit(**_FAST)
+def transport_many(
+    masses, features, squares, distances, bank_masses, bank_features, bank_squares, bank_distances, chosen,
+    alpha, epsilon, outer, rounds, relaxed,
+):  # fmt: skip
+    """(c,) cost of one graph against the chosen ones of a bank."""
+    result = np.empty(len(chosen), dtype=np.float32)
+    plan = np.empty((len(masses), bank_masses.shape[1]), dtype=np.float32)
+    for place in range(len(chosen)):
+        x = chosen[place]
+        result[place] = transport(
+            masses, features, squares, distances,
+            bank_masses[x], bank_features[x], bank_squares[x], bank_distances[x],
+            alpha, epsilon, outer, rounds, relaxed, plan,
+        )  # fmt: skip
+    return result

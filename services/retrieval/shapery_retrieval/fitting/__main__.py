@@ -1,0 +1,93 @@
+"""``python -m shapery_retrieval.fitting [SHAPES]``: generate shapes and write the shipped vocabulary anew."""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapery_contracts.errors import InvalidInput
+from shapery_retrieval.decompose import decompose
+from shapery_retrieval.fitting.shapes import generated_shape
+from shapery_retrieval.nodes import build_levels
+from shapery_retrieval.normalise import normalise
+from shapery_retrieval.signals import compute_signals
+from shapery_retrieval.views import view_features
+from shapery_retrieval.vocabulary import FILE
+
+WAVE_WORDS, VIEW_WORDS, VIEW_AXES = 64, 1200, 48
+Array = NDArray[np.float64]
+
+
+def k_means(points: Array, count: int, rng: np.random.Generator, rounds: int = 12) -> Array:
+    """Lloyd's algorithm from a random start; words that nothing is near to begin anew at a random point."""
+    words = points[rng.choice(len(points), count, replace=False)].copy()
+    for _ in range(rounds):
+        nearest = np.concatenate(
+            [np.argmax(block @ words.T - 0.5 * (words**2).sum(axis=1), axis=1) for block in np.array_split(points, 64)]
+        )
+        counts = np.bincount(nearest, minlength=count)
+        sums = np.stack([np.bincount(nearest, column, count) for column in points.T], axis=1)
+        words = np.where(
+            counts[:, None] > 0, sums / np.maximum(counts, 1)[:, None], points[rng.integers(len(points), size=count)]
+        )
+    return np.asarray(words)
+
+
+def fit(shapes: int, rng: np.random.Generator) -> dict[str, NDArray[np.generic]]:
+    """Return the arrays of the vocabulary, from so many generated shapes."""
+    waves: list[Array] = []
+    views: list[NDArray[np.float32]] = []
+    nodes: list[Array] = []
+    masses: list[Array] = []
+    seen: list[NDArray[np.float32]] = []
+    while len(seen) < shapes:
+        mesh = generated_shape(rng)
+        if mesh is None:
+            continue
+        try:
+            normalised = normalise(mesh)
+            signals = compute_signals(normalised)
+        except InvalidInput:
+            continue
+        decomposition = decompose(signals)
+        for level in build_levels(signals, decomposition, normalised.mesh.edges)[1:]:
+            nodes.append(level.features.astype(np.float64))
+            masses.append(level.masses.astype(np.float64))
+        waves.append(signals.wave[rng.choice(len(signals.wave), 300, p=signals.areas)])
+        found = view_features(normalised.mesh)
+        seen.append(found)
+        views.append(found[rng.permutation(len(found))[:500]])
+        print(f"\r{len(seen)} of {shapes} shapes", end="", file=sys.stderr, flush=True)  # noqa: T201
+    print(file=sys.stderr)  # noqa: T201
+    wave_points = np.concatenate(waves)
+    wave_words = k_means(wave_points, WAVE_WORDS, rng)
+    nearest = ((wave_points[::17, None] - wave_words[None]) ** 2).sum(axis=2).min(axis=1)
+    points = np.concatenate(views).astype(np.float64)
+    mean = points.mean(axis=0)
+    axes = np.linalg.eigh(np.cov((points - mean).T))[1][:, ::-1][:, :VIEW_AXES]
+    view_words = k_means((points - mean) @ axes, VIEW_WORDS, rng)
+    shown = np.zeros(VIEW_WORDS)
+    for found in seen:
+        projected = (found.astype(np.float64) - mean) @ axes
+        shown[np.unique(np.argmax(projected @ view_words.T - 0.5 * (view_words**2).sum(axis=1), axis=1))] += 1
+    all_nodes, mass = np.concatenate(nodes), np.concatenate(masses)
+    node_mean = mass @ all_nodes / mass.sum()
+    node_spread = np.sqrt(mass @ (all_nodes - node_mean) ** 2 / mass.sum())
+    return {
+        "waves": wave_words.astype(np.float32),
+        "wave_width": np.float32(np.sqrt(np.median(nearest))),
+        "view_mean": mean.astype(np.float16),
+        "view_axes": axes.astype(np.float16),
+        "views": view_words.astype(np.float16),
+        "view_sharpness": np.float32(20.0),
+        "view_rarity": np.log(shapes / np.maximum(shown, 0.5)).astype(np.float16),
+        "node_mean": node_mean.astype(np.float32),
+        "node_spread": node_spread.astype(np.float32),
+    }
+
+
+if __name__ == "__main__":
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else 240
+    np.savez_compressed(FILE, allow_pickle=False, **fit(count, np.random.default_rng(2011)))

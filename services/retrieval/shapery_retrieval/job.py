@@ -1,0 +1,218 @@
+"""The ``shape-index`` and ``shape-search`` jobs: thin adapters from files and a job's context to the algorithms."""
+
+from __future__ import annotations
+
+import importlib
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
+
+from shapery_contracts.errors import InvalidInput, Unavailable
+from shapery_contracts.handler import JobContext
+from shapery_contracts.retrieval import (
+    IndexStage,
+    PartMatch,
+    ShapeBank,
+    ShapeHit,
+    ShapeIndexParams,
+    ShapeIndexResult,
+    ShapeSearchParams,
+    ShapeSearchResult,
+)
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from shapery_retrieval.arg import Arg
+    from shapery_retrieval.search import Answer
+
+_FRACTIONS = {"normalise": 0.05, "describe": 0.15, "decompose": 0.6, "views": 0.75}
+WRITE = 0.85
+
+CANDIDATES = 400
+"""So many shapes, nearest by their vectors, are fetched and compared by all cues."""
+PARTIAL_CANDIDATES = 4000
+"""A part may be of anything: far more shapes are matched then."""
+
+
+class ShapeIndexHandler:
+    """Input ``mesh``; artifacts as `shapery_contracts.retrieval.ShapeIndexResult` names them."""
+
+    kind: ClassVar[str] = "shape-index"
+
+    def load(self) -> None:
+        """Import the numerics; a worker does it once, before it forks a process for each job."""
+        for module in ("shapery_geometry.mesh_io", "shapery_retrieval.describe", "shapery_retrieval.report"):
+            importlib.import_module(module)
+
+    def run(self, params: ShapeIndexParams, inputs: Mapping[str, Path], context: JobContext) -> ShapeIndexResult:
+        """See `shapery_contracts.handler.JobHandler.run`."""
+        # Imported here: whoever only looks for the handler loads no numerics.
+        from shapery_geometry.mesh_io import read_mesh
+        from shapery_retrieval.describe import describe
+        from shapery_retrieval.report import write_outputs, write_report
+
+        if "mesh" not in inputs:
+            raise InvalidInput("missing_input", "The mesh is missing.")
+        context.stage("read", 0.0)
+        start = time.perf_counter()
+        mesh = read_mesh(inputs["mesh"])
+        reading = IndexStage(name="read", seconds=round(time.perf_counter() - start, 4))
+
+        def on_stage(name: str) -> None:
+            context.check_cancelled()
+            context.stage(name, _FRACTIONS[name])
+
+        found = describe(mesh, on_stage=on_stage)
+        context.check_cancelled()
+        context.stage("write", WRITE)
+        start = time.perf_counter()
+        result = write_outputs(mesh, found, context.output, params.preview_size)
+        writing = IndexStage(name="write", seconds=round(time.perf_counter() - start, 4))
+        # the report tells how long writing took, so it is written once more, last
+        result = result.model_copy(update={"stages": [reading, *result.stages, writing]})
+        write_report(result, context.output)
+        context.progress(1.0)
+        return result
+
+
+class ShapeSearchHandler:
+    """Input ``mesh``, or a stored shape named in the parameters; the bank comes with the context."""
+
+    kind: ClassVar[str] = "shape-search"
+
+    def load(self) -> None:
+        """Import the numerics; a worker does it once, before it forks a process for each job."""
+        for module in ("shapery_geometry.mesh_io", "shapery_retrieval.describe", "shapery_retrieval.search"):
+            importlib.import_module(module)
+
+    def run(self, params: ShapeSearchParams, inputs: Mapping[str, Path], context: JobContext) -> ShapeSearchResult:
+        """See `shapery_contracts.handler.JobHandler.run`."""
+        bank = context.bank
+        if bank is None:
+            raise Unavailable("service_unavailable", "There is no shape database here to search in.")
+        seconds: dict[str, float] = {}
+        start = time.perf_counter()
+        context.stage("read", 0.0)
+        query = self._query(params, inputs, bank, context)
+        seconds["index"] = time.perf_counter() - start
+        result = search_bank(query, params, bank, context, seconds)
+        context.stage("write", 0.98)
+        (context.output / "results.json").write_text(result.model_dump_json(indent=2))
+        context.progress(1.0)
+        return result
+
+    def _query(
+        self, params: ShapeSearchParams, inputs: Mapping[str, Path], bank: ShapeBank, context: JobContext
+    ) -> Arg:
+        from shapery_geometry.mesh_io import read_mesh
+        from shapery_retrieval.arg import Arg
+        from shapery_retrieval.describe import describe
+        from shapery_retrieval.search import region_of
+
+        if params.shape_id is not None:
+            if params.region is not None:
+                raise InvalidInput("invalid_params", "A region is of the faces of a mesh, which was not given.")
+            stored = bank.args([params.shape_id]).get(params.shape_id)
+            if stored is None:
+                raise InvalidInput("not_found", f"There is no shape {params.shape_id!r} in the bank.")
+            query = Arg.from_bytes(stored)
+        elif "mesh" in inputs:
+            mesh = read_mesh(inputs["mesh"])
+            context.check_cancelled()
+            context.stage("index", 0.05)
+            found = describe(mesh)
+            query = found.arg
+            if params.region is not None:
+                query = region_of(query, found.region_shares(mesh, params.region))
+        else:
+            raise InvalidInput("missing_input", "Give a mesh, or name a stored shape.")
+        if params.parts is not None:
+            query = region_of(query, _shares_of_parts(query, params.parts))
+        return query
+
+
+def search_bank(
+    query: Arg, params: ShapeSearchParams, bank: ShapeBank, context: JobContext | None, seconds: dict[str, float]
+) -> ShapeSearchResult:
+    """Search a bank with a graph.
+
+    Parameters
+    ----------
+    query
+        Whole, or cut down to a region.
+    params
+        What is asked; the query is not looked for again.
+    bank
+        Where.
+    context
+        For progress; may be None.
+    seconds
+        Time of earlier stages.
+    """
+    from shapery_retrieval.arg import Arg
+    from shapery_retrieval.search import Searcher
+    from shapery_retrieval.vector import vector_of
+
+    partial = params.mode == "partial" or params.region is not None or params.parts is not None
+
+    def stage(name: str, fraction: float) -> float:
+        if context is not None:
+            context.check_cancelled()
+            context.stage(name, fraction)
+        return time.perf_counter()
+
+    start = stage("candidates", 0.6)
+    limit = PARTIAL_CANDIDATES if partial else max(CANDIDATES, 2 * params.limit)
+    near = bank.candidates(vector_of(query).tolist(), limit, version=query.index_version, only=params.filter)
+    stored = bank.args([candidate.shape_id for candidate in near])
+    searcher = Searcher({name: Arg.from_bytes(data) for name, data in stored.items()})
+    seconds["candidates"] = time.perf_counter() - start
+    start = stage("match", 0.7)
+    answer = searcher.search(query, limit=params.limit, exclude=params.shape_id, partial=partial, rerank=params.rerank)
+    seconds["match"] = time.perf_counter() - start
+    return ShapeSearchResult(
+        index_version=query.index_version,
+        mode="partial" if partial else "global",
+        candidates=answer.compared,
+        cues={name: round(weight, 4) for name, weight in answer.cues.items()},
+        hits=_hits(answer),
+        stages=[IndexStage(name=name, seconds=round(value, 4)) for name, value in seconds.items()],
+    )
+
+
+def _hits(answer: Answer) -> list[ShapeHit]:
+    hits = []
+    for hit in answer.hits:
+        best = next(level for level in hit.match.levels if level.level == hit.match.best_level)
+        hits.append(
+            ShapeHit(
+                shape_id=hit.shape_id,
+                score=min(max(hit.score, 0.0), 1.0),
+                level=best.level,
+                level_scores=[round(level.score, 6) for level in hit.match.levels],
+                matches=[PartMatch(query=i, found=j, weight=round(w, 6)) for i, j, w in best.pairs()],
+            )
+        )
+    return hits
+
+
+def _shares_of_parts(arg: Arg, parts: list[int]) -> list[NDArray[np.float64]]:
+    """For each level the share of every part that the given parts of the finest level make up."""
+    import numpy as np
+
+    finest = arg.levels[-1]
+    if max(parts) >= finest.parts:
+        raise InvalidInput("invalid_params", f"The query has {finest.parts} parts, numbered from 0.")
+    share = np.zeros(finest.parts)
+    share[parts] = 1.0
+    shares = [share]
+    masses = finest.masses.astype(np.float64)
+    for below, above in zip(arg.levels[:0:-1], arg.levels[-2::-1], strict=True):
+        covered = np.bincount(below.parents, weights=masses * share, minlength=above.parts)
+        share = covered / np.maximum(np.bincount(below.parents, weights=masses, minlength=above.parts), 1e-12)
+        masses = above.masses.astype(np.float64)
+        shares.insert(0, share)
+    return shares

@@ -1,0 +1,152 @@
+"""Graphs laid out side by side, as matching and ranking read them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapery_contracts.errors import InvalidInput
+from shapery_retrieval import _matching_kernels as kernels
+from shapery_retrieval.arg import Arg
+from shapery_retrieval.nodes import columns_of
+from shapery_retrieval.vocabulary import vocabulary
+
+BLOCKS: tuple[tuple[float, tuple[str, ...]], ...] = (
+    (1.0, ("heat.mean", "heat.dev")),
+    (1.0, ("wave.mean", "wave.dev")),
+    (1.0, ("thickness.mean", "thickness.dev")),
+    (1.5, ("mean_curvature.mean", "mean_curvature.dev")),
+    (1.5, ("gaussian_curvature.mean", "gaussian_curvature.dev")),
+    (1.0, ("geodesic.whole", "geodesic.mean")),
+)
+"""Features that count alike whatever their number: weights and columns of `shapery_retrieval.nodes`."""
+Blocks = tuple[tuple[float, tuple[str, ...]], ...]
+
+ALPHA = np.float32(0.5)
+"""Share of the distances between parts in the cost; the rest is the parts' features."""
+EPSILON = np.float32(0.07)
+OUTER, ROUNDS = 1, 6
+
+Array32 = NDArray[np.float32]
+
+
+@dataclass(frozen=True, eq=False)
+class PackedLevel:
+    """One level of n graphs, padded with parts of no mass.
+
+    Attributes
+    ----------
+    masses : (n, k)
+    features : (n, k, d)
+        Standardised and weighted, so that squared distance is the cost of putting two parts together.
+    squares : (n, k)
+        Their squared lengths.
+    distances : (n, k, k)
+    own : (n,)
+        Cost of each graph with itself.
+    """
+
+    masses: Array32
+    features: Array32
+    squares: Array32
+    distances: Array32
+    own: Array32
+
+    def __len__(self) -> int:
+        return len(self.masses)
+
+    def costs(self, other: PackedLevel, index: int, chosen: NDArray[np.int64], *, relaxed: bool = False) -> Array32:
+        """(c,) cost of the graph at `index` against the chosen ones of `other`."""
+        return np.asarray(
+            kernels.transport_many(
+                self.masses[index], self.features[index], self.squares[index], self.distances[index],
+                other.masses, other.features, other.squares, other.distances, chosen,
+                ALPHA, EPSILON, OUTER, ROUNDS, relaxed,
+            )
+        )  # fmt: skip
+
+    def divergences(self, other: PackedLevel, index: int, chosen: NDArray[np.int64]) -> Array32:
+        """(c,) costs less the mean of what both cost with themselves: never negative, zero for the graph itself."""
+        costs = self.costs(other, index, chosen)
+        return np.asarray(np.maximum(costs - (self.own[index] + other.own[chosen]) / 2, np.float32(0)))
+
+
+def pack_level(args: Sequence[Arg], level: int, blocks: Blocks = BLOCKS) -> PackedLevel:
+    """Lay out one level of several graphs."""
+    words = vocabulary()
+    columns = [columns_of(names) for _, names in blocks]
+    total = sum(weight for weight, _ in blocks)
+    scale = np.concatenate(
+        [
+            np.full(len(c), np.sqrt(weight / total / len(c) / 2)) / words.node_spread[c]
+            for (weight, _), c in zip(blocks, columns, strict=True)
+        ]
+    )
+    order = np.concatenate(columns)
+    n, k = len(args), max((arg.levels[level].parts for arg in args), default=1)
+    masses, features = np.zeros((n, k), np.float32), np.zeros((n, k, len(order)), np.float32)
+    distances = np.zeros((n, k, k), np.float32)
+    for i, arg in enumerate(args):
+        node = arg.levels[level]
+        p = node.parts
+        masses[i, :p] = node.masses / node.masses.sum()
+        features[i, :p] = (node.features[:, order].astype(np.float64) - words.node_mean[order]) * scale
+        distances[i, :p, :p] = node.distances
+    squares = np.einsum("nkd,nkd->nk", features, features)
+    bare = PackedLevel(masses, features, squares, distances, np.zeros(n, np.float32))
+    own = np.array([bare.costs(bare, i, np.array([i]))[0] for i in range(n)], dtype=np.float32)
+    return PackedLevel(masses, features, squares, distances, own)
+
+
+@dataclass(frozen=True, eq=False)
+class PackedGraphs:
+    """Several graphs.
+
+    Attributes
+    ----------
+    levels
+        The levels below the root.
+    whole
+        (n, d) arrays of the descriptors at the root by name; of the views (n, words), weighted by rarity and of unit
+        length.
+    """
+
+    levels: tuple[PackedLevel, ...]
+    whole: dict[str, Array32]
+
+    def __len__(self) -> int:
+        return len(self.levels[0])
+
+
+def pack(args: Sequence[Arg]) -> PackedGraphs:
+    """Lay out graphs side by side.
+
+    Raises
+    ------
+    InvalidInput
+        ``conflict`` where they are of different index versions or levels.
+    """
+    if not args:
+        raise ValueError("there is nothing to lay out")
+    if len({(arg.index_version, len(arg.levels)) for arg in args}) > 1:
+        raise InvalidInput("conflict", "Graphs of different index versions cannot be compared.", "Index them again.")
+    levels = tuple(pack_level(args, level) for level in range(1, len(args[0].levels)))
+    return PackedGraphs(levels, whole_arrays(args))
+
+
+def whole_arrays(args: Sequence[Arg]) -> dict[str, Array32]:
+    """Return the descriptors at the roots as `PackedGraphs.whole` holds them."""
+    words = vocabulary()
+    views = np.zeros((len(args), len(words.views)), np.float32)
+    for row, arg in zip(views, args, strict=True):
+        row[arg.whole["view_words"]] = arg.whole["view_weights"].astype(np.float32)
+    views = np.sqrt(views) * np.maximum(words.view_rarity, 0.0)
+    views /= np.maximum(np.linalg.norm(views, axis=1, keepdims=True), 1e-12)
+    same = ("covariance", "scale_invariant", "quantiles")
+    whole = {name: np.stack([arg.whole[name] for arg in args]) for name in same}
+    whole["wave_words"] = np.sqrt(np.stack([arg.whole["wave_words"] for arg in args]))
+    whole["views"] = views
+    return whole

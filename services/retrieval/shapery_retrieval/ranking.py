@@ -1,0 +1,135 @@
+"""From distances by many cues to one score: local scales, the gate between cues, and diffusion over the bank.
+
+Nothing here knows labels. Each cue's distance becomes an affinity on the scale of both shapes' neighbourhoods, so that
+cues of any unit can be averaged and one that says "far" stops voting; the gate then weighs groups of cues by how
+clearly each one sets the nearest shapes apart.
+
+References
+----------
+L. Zelnik-Manor, P. Perona, Self-tuning spectral clustering, NIPS 2004 (for local scales).
+M. Donoser, H. Bischof, Diffusion processes for retrieval revisited, CVPR 2013, doi:10.1109/CVPR.2013.174.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapery_retrieval.packing import PackedGraphs
+
+GROUPS: Mapping[str, tuple[str, ...]] = {
+    "parts": ("parts",),
+    "views": ("views",),
+    "intrinsic": ("covariance", "scale_invariant", "quantiles", "wave_words"),
+}
+"""Cues of like nature vote together; ``parts`` is the matching of the graphs below the root."""
+WHOLE_CUES = tuple(cue for cues in GROUPS.values() for cue in cues if cue != "parts")
+
+RANK = 12
+"""The scale of a neighbourhood is the distance to the neighbour of this rank."""
+NEAR, FAR = 8, (16, 48)
+"""Contrast is the mean affinity of so many nearest less that of these ranks."""
+FLOOR = 0.02
+DAMPING = 0.95
+MOST_NEIGHBOURS = 12
+
+Array = NDArray[np.float64]
+
+
+def whole_distances(query: PackedGraphs, index: int, bank: PackedGraphs) -> dict[str, Array]:
+    """(n,) distances of one graph from all of a bank by each descriptor at the root."""
+    result = {}
+    for cue in WHOLE_CUES:
+        own, others = query.whole[cue][index], bank.whole[cue]
+        if cue == "quantiles":
+            found = np.abs(others - own).mean(axis=1)
+        elif cue == "views":
+            # of unit vectors
+            found = np.sqrt(np.maximum(2 - 2 * (others @ own), 0.0))
+        else:
+            found = np.linalg.norm(others - own, axis=1)
+        result[cue] = found.astype(np.float64)
+    return result
+
+
+def part_distances(query: PackedGraphs, index: int, bank: PackedGraphs, chosen: NDArray[np.int64]) -> Array:
+    """(c,) divergences from the chosen graphs, summed over the levels below the root."""
+    total = np.zeros(len(chosen))
+    for own, others in zip(query.levels, bank.levels, strict=True):
+        total += own.divergences(others, index, chosen)
+    return total
+
+
+def local_scale(distances: Array) -> float:
+    """Return the scale of a neighbourhood from the distances to all others, the item itself left out."""
+    finite = distances[np.isfinite(distances)]
+    if not len(finite):
+        return 1.0
+    rank = min(RANK, max(1, (len(finite) + 1) // 2))
+    return max(float(np.partition(finite, rank - 1)[rank - 1]), 1e-6)
+
+
+def affinity(distances: Array, scale: float | Array, scales: Array) -> Array:
+    """exp(−d² / (r(q) r(x))): 1 at no distance."""
+    return np.asarray(np.exp(-(distances**2) / (scale * scales)))
+
+
+def contrast(affinities: Array) -> Array:
+    """How clearly the nearest stand out, for each row; at least `FLOOR`."""
+    n = affinities.shape[-1]
+    if n <= FAR[0] + 1:
+        return np.full(affinities.shape[:-1], 1.0)
+    far = min(FAR[1], n)
+    top = -np.sort(-np.partition(affinities, n - far, axis=-1)[..., n - far :], axis=-1)
+    return np.asarray(np.maximum(top[..., :NEAR].mean(axis=-1) - top[..., FAR[0] : far].mean(axis=-1), FLOOR))
+
+
+def gate(contrasts: Mapping[str, Array]) -> dict[str, Array]:
+    """Weights of the groups from their contrasts: c² / Σ c²."""
+    total = sum(c**2 for c in contrasts.values())
+    return {group: np.asarray(c**2 / total) for group, c in contrasts.items()}
+
+
+def diffuse(scores: Array) -> Array:
+    """Re-rank: let similarity flow between neighbours.
+
+    Parameters
+    ----------
+    scores : (n, n)
+        In [0, 1]; 1 on the diagonal.
+
+    Returns
+    -------
+    (n, n) symmetric, in [0, 1]
+        (I − 0.95 N)⁻¹, normalised by its diagonal, where N is the normalised graph of each item's neighbours. How many
+        neighbours an item has follows from its scores: those that stand out, at most `MOST_NEIGHBOURS`.
+    """
+    n = len(scores)
+    if n < 3:
+        return scores
+    strength = ((scores + scores.T) / 2) ** 2
+    np.fill_diagonal(strength, 0.0)
+    graph = np.zeros((n, n))
+    most = min(MOST_NEIGHBOURS, n - 1)
+    order = np.argsort(-strength, axis=1, kind="stable")[:, :most]
+    values = np.take_along_axis(strength, order, axis=1)
+    keep = neighbour_counts(values)
+    rows = np.repeat(np.arange(n), keep)
+    columns = np.concatenate([order[i, : keep[i]] for i in range(n)])
+    graph[rows, columns] = strength[rows, columns]
+    graph = np.maximum(graph, graph.T)
+    degrees = np.maximum(graph.sum(axis=1), 1e-12)
+    normalised = graph / np.sqrt(np.outer(degrees, degrees))
+    flow = np.linalg.inv(np.eye(n) - DAMPING * normalised)
+    diagonal = np.sqrt(np.diag(flow))
+    flow /= np.outer(diagonal, diagonal)
+    # where no path leads the first scores still order what remains
+    return np.asarray((flow + 1e-3 * scores) / (1 + 1e-3))
+
+
+def neighbour_counts(values: Array) -> NDArray[np.int64]:
+    """(n,) how many of the (n, k) falling strengths belong to the neighbourhood: those above a share of the best."""
+    best = values[:, :2].mean(axis=1, keepdims=True)
+    return np.asarray(np.maximum((values > 0.25 * best).sum(axis=1), 2))
