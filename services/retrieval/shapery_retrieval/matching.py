@@ -23,7 +23,7 @@ from shapery_retrieval import _matching_kernels as kernels
 from shapery_retrieval.arg import Arg
 from shapery_retrieval.packing import ALPHA, EPSILON, OUTER, ROUNDS, PackedGraphs, PackedLevel, pack
 
-UNLIKE = 0.12
+UNLIKE = 0.35
 """Divergence at which a level's score has fallen to 1/e; about the mean between unrelated generated shapes."""
 WHOLE_UNLIKE = {"covariance": 6.0, "scale_invariant": 3.0, "quantiles": 0.35, "wave_words": 0.5, "views": 1.0}
 """The same for each descriptor at the root."""
