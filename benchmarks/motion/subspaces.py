@@ -65,8 +65,8 @@ class Rounded:
         return np.asarray((self.fields * step) @ bases.T + self.mean * (step / math.sqrt(len(self.fields))))
 
 
-def rounded(part: Part, step: float, pays: float) -> Rounded:
-    """Round a part; components that do not pay are left out."""
+def rounded(part: Part, step: float, pays: float, *, plain: bool = False) -> Rounded:
+    """Round a part; components that do not pay are left out. `plain` does not fit the fields to the rounded bases."""
     p, q = len(part.fields), len(part.bases)
     energy = (part.fields**2).sum(axis=0)
     k = int(np.count_nonzero(energy > pays * step**2 / 12 * (p + q)))
@@ -76,20 +76,25 @@ def rounded(part: Part, step: float, pays: float) -> Rounded:
     # the best fields for the rounded bases, of the data within the kept components
     target = part.fields[:, :k] @ (part.bases[:, :k].T @ scaled)
     fields = np.linalg.solve(scaled.T @ scaled + 1e-12 * np.eye(k), target.T).T if k else np.zeros((p, 0))
+    if plain:
+        fields = part.fields[:, :k]
     mean = np.rint(part.mean / (step / math.sqrt(p))).astype(np.int64)
     return Rounded(mean, np.rint(fields / step).astype(np.int64), bases, sizes)
 
 
-def coded_bytes(found: list[Rounded], residuals: list[NDArray[np.int64]], coordinates: int) -> tuple[int, float]:
+def coded_bytes(
+    found: list[Rounded], residuals: list[NDArray[np.int64]], coordinates: int, *, plain: bool = False
+) -> tuple[int, float]:
     """Return the bytes of all parts (means, sizes, bases, residuals of the fields), and the CPU time of decoding them.
 
-    Bases and means are predicted in time, from the two frames before; `coordinates` follow each other in a row.
+    Bases and means are predicted in time, unless `plain`, from the two frames before; `coordinates` follow each other
+    in a row.
     """
     streams: list[tuple[bytes, int, int]] = []
     for part, fields in zip(found, residuals, strict=True):
         columns = np.concatenate((part.mean[:, None], part.bases), axis=1)
         k = columns.shape[1]
-        for values in (_in_time(columns, coordinates), fields):
+        for values in (columns if plain else _in_time(columns, coordinates), fields):
             if values.shape[1]:
                 stream = IntegerStream(values.shape[1])
                 stream.write(values)
@@ -123,6 +128,8 @@ def clustered(
     label_bytes: int,
     settings: dict[str, int],
     trials: tuple[float, ...] = PAYS,
+    *,
+    plain: bool = False,
 ) -> Coded | None:
     """Trajectories in one basis for each cluster of vertices."""
     walk = traverse(case.faces, case.frames.shape[1])
@@ -132,14 +139,16 @@ def clustered(
     for pays in trials:
 
         def attempt(step: float, pays: float = pays) -> float:
-            return case.kg(_frames([(part, rounded(part, step, pays)) for part in parts], step, case))
+            return case.kg(_frames([(part, rounded(part, step, pays, plain=plain)) for part in parts], step, case))
 
         step = to_target(attempt, 2 * kg / 100 * case.spread, kg)
         if not step:
             continue
-        found = [rounded(part, step, pays) for part in parts]
-        fields = [_predicted(part, whole, walk, labels) for part, whole in zip(parts, found, strict=True)]
-        total, seconds = coded_bytes(found, fields, 3)
+        found = [rounded(part, step, pays, plain=plain) for part in parts]
+        fields = [whole.fields for whole in found]
+        if not plain:
+            fields = [_predicted(part, whole, walk, labels) for part, whole in zip(parts, found, strict=True)]
+        total, seconds = coded_bytes(found, fields, 3, plain=plain)
         if best is None or total + label_bytes < best.motion_bytes:
             start = time.process_time()
             decoded = _frames(list(zip(parts, found, strict=True)), step, case)
@@ -183,8 +192,17 @@ def _predicted(part: Part, whole: Rounded, walk: Traversal, labels: NDArray[np.i
     return np.stack(choices)[best, :, np.arange(k)].T.reshape(len(order), k)
 
 
-def clustered_pca(case: Case, kg: float, counts: tuple[int, ...] = (4, 8, 16, 32)) -> Coded | None:
-    """Trajectories in a basis for each cluster, with the number of clusters that does best."""
+def clustered_pca(case: Case, kg: float, counts: tuple[int, ...] = (8, 16, 32), *, plain: bool = False) -> Coded | None:
+    """Trajectories in a basis for each cluster, with the number of clusters that does best.
+
+    `plain` is the method as it was published: rounded components through an entropy coder. Otherwise it has the
+    predictions and the fitting of the other peers.
+
+    References
+    ----------
+    M. Sattler, R. Sarlette, R. Klein, Simple and efficient compression of animation sequences, Symposium on Computer
+    Animation 2005, doi:10.1145/1073368.1073398.
+    """
     best: Coded | None = None
     for count in counts:
         if count * 8 > case.frames.shape[1]:
@@ -193,7 +211,7 @@ def clustered_pca(case: Case, kg: float, counts: tuple[int, ...] = (4, 8, 16, 32
         walk = traverse(case.faces, len(labels))
         stream = IntegerStream(1)
         stream.write(np.diff(labels[walk.vertex_order], prepend=0).reshape(-1, 1))
-        found = clustered(case, kg, labels, len(stream.finish()), {"clusters": count}, PAYS[1:2])
+        found = clustered(case, kg, labels, len(stream.finish()), {"clusters": count}, PAYS[1:2], plain=plain)
         if found is not None and (best is None or found.motion_bytes < best.motion_bytes):
             best = found
     return best
