@@ -70,7 +70,7 @@ def write(kept: Path) -> None:
     (RESULTS / "motion.json").write_text(
         json.dumps({"sequences": found, "growth": growth, "figures": figures}, indent=1) + "\n"
     )
-    lines = ["# Motion: rate and distortion, and the tables of chapter 5", "", *PREFACE]
+    lines = ["# Motion: rate and distortion, and the tables of chapter 5", "", *PREFACE, ""]
     for section in (_rates, _ratio, _errors, _costs):
         lines += section(found)
     lines += _growth(growth) + _chapter(found, figures)
