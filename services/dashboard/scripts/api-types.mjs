@@ -1,6 +1,7 @@
 // Writes src/api/schema.d.ts from api_schema/ (the HTTP interface and the job kinds), or with --check says whether it
 // is still the same.
 import { readdir, readFile, writeFile } from "node:fs/promises";
+import { isDeepStrictEqual } from "node:util";
 import openapiTS, { astToString } from "openapi-typescript";
 
 const source = new URL("../../../api_schema/", import.meta.url);
@@ -19,7 +20,7 @@ for (const name of (await readdir(new URL("jobs/", source))).sort()) {
       [whole.title]: whole,
     })) {
       const known = document.components.schemas[title];
-      if (known && JSON.stringify(known) !== JSON.stringify(part)) throw new Error(`two schemas are called ${title}`);
+      if (known && !isDeepStrictEqual(known, part)) throw new Error(`two schemas are called ${title}`);
       document.components.schemas[title] = part;
     }
   }

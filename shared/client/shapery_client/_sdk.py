@@ -33,6 +33,7 @@ from shapery_contracts.api import (
     KeyView,
     Scope,
     ServerInfo,
+    UsageView,
 )
 from shapery_contracts.shapes import SearchAnswer, SearchRequest
 from shapery_contracts.states import JobState
@@ -100,6 +101,10 @@ class Client(BankCalls):
         """Return the job kinds the server knows."""
         response = self._transport.request("GET", "/v1/kinds")
         return [JobKindView.model_validate(item) for item in response.json()]
+
+    def usage(self) -> UsageView:
+        """Return how many jobs you have in which state, and what your uploads and results take."""
+        return self._get("/v1/usage", UsageView)
 
     # assets
 

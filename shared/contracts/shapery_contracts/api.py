@@ -230,6 +230,24 @@ class JobKindView(BaseModel):
     """Live workers that serve this kind."""
 
 
+class StoredView(BaseModel):
+    """A number of files and how much they hold together."""
+
+    files: int = 0
+    bytes: int = 0
+
+
+class UsageView(BaseModel):
+    """What ``GET /v1/usage`` tells: how many jobs one has in which state, and how much one keeps on the server."""
+
+    jobs: dict[JobState, int]
+    """States in which there is none are missing."""
+    assets: dict[AssetKind, StoredView]
+    """Uploads by kind; one uploaded twice counts twice, though it is stored once."""
+    results: StoredView
+    """Files that jobs made and that have not expired."""
+
+
 class ServerInfo(BaseModel):
     """What ``GET /v1/info`` tells of the server: version, how one signs in, and the limits."""
 

@@ -16,7 +16,7 @@ from shapery_platform import keys
 from shapery_platform.db import utc_now
 from tests.conftest import ROOT
 from tests.integration.gateway.conftest import Make, Platform, Serve, submit, upload
-from tests.support.gateway import OFFSET_STREAM, TUS
+from tests.support.gateway import OFFSET_STREAM, TUS, nifti
 
 pytestmark = pytest.mark.server
 
@@ -31,6 +31,7 @@ PUBLIC = {"getHealth", "getReadiness", "getMetrics", "getInfo", "getUploadCapabi
 NEEDS = {
     Scope.READ: {
         "listKinds",
+        "getUsage",
         "listAssets",
         "getAsset",
         "getAssetContent",
@@ -173,6 +174,23 @@ def test_scopes(local_keyed: Platform) -> None:
                     if OPERATIONS[operation][0] != "HEAD":
                         assert response.json()["code"] == "forbidden"
             assert client.get("/v1/jobs").status_code == 200
+
+
+def test_usage_counts_what_is_ones_own(keyed: Platform, ann: httpx.Client, bob: httpx.Client) -> None:
+    nothing = {"jobs": {}, "assets": {}, "results": {"files": 0, "bytes": 0}}
+    assert ann.get("/v1/usage").json() == nothing
+    asset = upload(ann)
+    keyed.succeed(submit(ann, asset)["id"], {"report.json": b"{}", "labels.nii.gz": b"12345"})
+    submit(ann, asset)
+    deleted = upload(ann, nifti(seed=2))
+    assert ann.get("/v1/usage").json()["assets"] == {"volume": {"files": 2, "bytes": asset["size"] + deleted["size"]}}
+    assert ann.delete(f"/v1/assets/{deleted['id']}").status_code == 204
+    assert ann.get("/v1/usage").json() == {
+        "jobs": {"queued": 1, "succeeded": 1},
+        "assets": {"volume": {"files": 1, "bytes": asset["size"]}},
+        "results": {"files": 2, "bytes": 7},
+    }
+    assert bob.get("/v1/usage").json() == nothing
 
 
 def test_others_do_not_even_exist(keyed: Platform, ann: httpx.Client, bob: httpx.Client) -> None:

@@ -258,6 +258,81 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/collections": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List your collections
+         * @description Newest first, each with the number of its shapes.
+         */
+        get: operations["listCollections"];
+        put?: never;
+        /**
+         * Make a collection
+         * @description Its name is not used yet. One is also made by the first shape that names a collection which does not exist.
+         */
+        post: operations["createCollection"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/collections/{collection_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * What a collection is
+         * @description Name, description and number of shapes of a collection.
+         */
+        get: operations["getCollection"];
+        put?: never;
+        post?: never;
+        /**
+         * Delete a collection
+         * @description Delete it for good. The meshes that its shapes were made of stay.
+         */
+        delete: operations["deleteCollection"];
+        options?: never;
+        head?: never;
+        /**
+         * Change a collection
+         * @description Change its name, description or metadata; what the request leaves out stays.
+         */
+        patch: operations["updateCollection"];
+        trace?: never;
+    };
+    "/v1/collections/{collection_id}/reindex": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Index a collection's outdated shapes again
+         * @description Make a batch of the shapes that an older version has indexed, at most as many as a batch may have.
+         *
+         *     Each is replaced as a whole at the end of its job; until then the old one is shown. Shapes whose mesh was deleted
+         *     are left out.
+         */
+        post: operations["reindexCollection"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/info": {
         parameters: {
             query?: never;
@@ -468,6 +543,196 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/search": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Find shapes like an example
+         * @description Answer a query by a stored shape at once; an uploaded mesh is indexed first, in a job, which needs `write`.
+         *
+         *     What takes longer than `wait` is answered with the job: follow it, then ask `/v1/search/{job_id}`.
+         */
+        post: operations["search"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/search/{job_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * What a search's job has found
+         * @description Return the answer, or the job as long as it has none. Shapes that were deleted meanwhile are left out.
+         */
+        get: operations["getSearch"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/shapes": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List your shapes
+         * @description Newest first.
+         */
+        get: operations["listShapes"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/shapes/{shape_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * What a shape is
+         * @description Where it belongs, what its mesh is like, what was done to it before it was analysed, and its levels of parts.
+         */
+        get: operations["getShape"];
+        put?: never;
+        post?: never;
+        /**
+         * Delete a shape
+         * @description No search finds it any more. The mesh that it was made of stays.
+         */
+        delete: operations["deleteShape"];
+        options?: never;
+        head?: never;
+        /**
+         * Change a shape
+         * @description Its name, collection, labels or metadata; what the request leaves out stays as it is.
+         */
+        patch: operations["updateShape"];
+        trace?: never;
+    };
+    "/v1/shapes/{shape_id}/arg": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * A shape's attributed relational graph
+         * @description In the binary form that is described beside this interface's schema.
+         */
+        get: operations["getShapeGraph"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/shapes/{shape_id}/components": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * A shape's parts, level by level
+         * @description JSON: for each level the part of every vertex of `mesh.glb`, so that matched parts can be colored alike.
+         */
+        get: operations["getShapeComponents"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/shapes/{shape_id}/mesh.glb": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * A shape's mesh for viewers
+         * @description Binary glTF, small enough to be shown; the mesh as it was uploaded is the asset's content.
+         */
+        get: operations["getShapeMesh"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/shapes/{shape_id}/preview.png": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * A shape's picture
+         * @description For lists and results.
+         */
+        get: operations["getShapePreview"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/shapes/{shape_id}/reindex": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Index a shape again
+         * @description Queue a job that replaces it as a whole; until its end the old one is shown.
+         */
+        post: operations["reindexShape"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/uploads": {
         parameters: {
             query?: never;
@@ -520,6 +785,26 @@ export interface paths {
          *     The answer to the last bytes names the asset in `Upload-Asset-Id`.
          */
         patch: operations["appendToUpload"];
+        trace?: never;
+    };
+    "/v1/usage": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * What you have on the server
+         * @description Your jobs by state, and what your uploads and results take.
+         */
+        get: operations["getUsage"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
         trace?: never;
     };
 }
@@ -710,6 +995,68 @@ export interface components {
              * @enum {string}
              */
             status: "ok" | "down";
+        };
+        /**
+         * CollectionCreate
+         * @description A request for a collection.
+         */
+        CollectionCreate: {
+            /**
+             * Description
+             * @default
+             */
+            description: string;
+            /**
+             * Metadata
+             * @default {}
+             */
+            metadata: {
+                [key: string]: unknown;
+            };
+            /** Name */
+            name: string;
+        };
+        /**
+         * CollectionUpdate
+         * @description What shall change of a collection; what is left out stays.
+         */
+        CollectionUpdate: {
+            /** Description */
+            description?: string | null;
+            /** Metadata */
+            metadata?: {
+                [key: string]: unknown;
+            } | null;
+            /** Name */
+            name?: string | null;
+        };
+        /**
+         * CollectionView
+         * @description Shapes that belong together.
+         */
+        CollectionView: {
+            /**
+             * Created At
+             * Format: date-time
+             */
+            created_at: string;
+            /** Description */
+            description: string;
+            /**
+             * Id
+             * Format: uuid
+             */
+            id: string;
+            /** Metadata */
+            metadata: {
+                [key: string]: unknown;
+            };
+            /** Name */
+            name: string;
+            /** Outdated */
+            outdated: number;
+            /** Shapes */
+            shapes: number;
         };
         /**
          * FieldProblem
@@ -1225,6 +1572,13 @@ export interface components {
             /** Next Cursor */
             next_cursor?: string | null;
         };
+        /** Page[CollectionView] */
+        Page_CollectionView_: {
+            /** Items */
+            items: components["schemas"]["CollectionView"][];
+            /** Next Cursor */
+            next_cursor?: string | null;
+        };
         /** Page[JobView] */
         Page_JobView_: {
             /** Items */
@@ -1236,6 +1590,13 @@ export interface components {
         Page_KeyView_: {
             /** Items */
             items: components["schemas"]["KeyView"][];
+            /** Next Cursor */
+            next_cursor?: string | null;
+        };
+        /** Page[ShapeView] */
+        Page_ShapeView_: {
+            /** Items */
+            items: components["schemas"]["ShapeView"][];
             /** Next Cursor */
             next_cursor?: string | null;
         };
@@ -1310,6 +1671,90 @@ export interface components {
          * @enum {string}
          */
         Scope: "read" | "write" | "admin";
+        /**
+         * SearchAnswer
+         * @description What a search found.
+         */
+        SearchAnswer: {
+            /** Candidates */
+            candidates: number;
+            /** Cues */
+            cues: {
+                [key: string]: number;
+            };
+            /** Hits */
+            hits: components["schemas"]["SearchHit"][];
+            /** Index Version */
+            index_version: number;
+            /** Job Id */
+            job_id?: string | null;
+            /**
+             * Mode
+             * @enum {string}
+             */
+            mode: "global" | "partial";
+            /**
+             * Warnings
+             * @default []
+             */
+            warnings: string[];
+        };
+        /**
+         * SearchHit
+         * @description One shape that was found, with what a viewer shows of it.
+         */
+        SearchHit: {
+            /** Level */
+            level: number;
+            /** Level Scores */
+            level_scores: number[];
+            /** Matches */
+            matches: components["schemas"]["PartMatch"][];
+            /** Score */
+            score: number;
+            shape: components["schemas"]["ShapeView"];
+            /** Shape Id */
+            shape_id: string;
+        };
+        /**
+         * SearchRequest
+         * @description A query by example: a stored shape, or an uploaded mesh.
+         */
+        SearchRequest: {
+            /** Asset Id */
+            asset_id?: string | null;
+            /** Collection */
+            collection?: string | null;
+            /**
+             * Labels
+             * @default {}
+             */
+            labels: {
+                [key: string]: string;
+            };
+            /**
+             * Limit
+             * @default 20
+             */
+            limit: number;
+            /**
+             * Mode
+             * @default global
+             * @enum {string}
+             */
+            mode: "global" | "partial";
+            /** Parts */
+            parts?: number[] | null;
+            /** Region */
+            region?: number[] | null;
+            /**
+             * Rerank
+             * @default false
+             */
+            rerank: boolean;
+            /** Shape Id */
+            shape_id?: string | null;
+        };
         /**
          * SegmentationParams
          * @description How to segment; every default is chosen so that two volumes alone suffice.
@@ -1435,6 +1880,88 @@ export interface components {
             upload_ttl_seconds: number;
             /** Version */
             version: string;
+        };
+        /**
+         * ShapeDetail
+         * @description A shape with what indexing told of it.
+         */
+        ShapeDetail: {
+            /** Area */
+            area: number;
+            /** Arg Url */
+            arg_url: string;
+            /**
+             * Asset Id
+             * Format: uuid
+             */
+            asset_id: string;
+            /** Bounding Box */
+            bounding_box: number[][];
+            /** Changes */
+            changes: components["schemas"]["MeshChange"][];
+            /** Closed */
+            closed: boolean;
+            /** Collection */
+            collection: string;
+            /**
+             * Collection Id
+             * Format: uuid
+             */
+            collection_id: string;
+            /** Components */
+            components: number;
+            /** Components Url */
+            components_url: string;
+            /**
+             * Created At
+             * Format: date-time
+             */
+            created_at: string;
+            /** Faces */
+            faces: number;
+            /** Genus */
+            genus: number | null;
+            /**
+             * Id
+             * Format: uuid
+             */
+            id: string;
+            /** Index Version */
+            index_version: number;
+            /**
+             * Indexed At
+             * Format: date-time
+             */
+            indexed_at: string;
+            /**
+             * Job Id
+             * Format: uuid
+             */
+            job_id: string;
+            /** Labels */
+            labels: {
+                [key: string]: string;
+            };
+            /** Levels */
+            levels: components["schemas"]["LevelSummary"][];
+            /** Mesh Url */
+            mesh_url: string;
+            /** Metadata */
+            metadata: {
+                [key: string]: unknown;
+            };
+            /** Name */
+            name: string;
+            /** Oriented */
+            oriented: boolean;
+            /** Outdated */
+            outdated: boolean;
+            /** Preview Url */
+            preview_url: string;
+            /** Vertices */
+            vertices: number;
+            /** Warnings */
+            warnings: string[];
         };
         /**
          * ShapeFilter
@@ -1632,6 +2159,100 @@ export interface components {
             warnings: string[];
         };
         /**
+         * ShapeUpdate
+         * @description What shall change of a shape; what is left out stays.
+         */
+        ShapeUpdate: {
+            /** Collection */
+            collection?: string | null;
+            /** Labels */
+            labels?: {
+                [key: string]: string;
+            } | null;
+            /** Metadata */
+            metadata?: {
+                [key: string]: unknown;
+            } | null;
+            /** Name */
+            name?: string | null;
+        };
+        /**
+         * ShapeView
+         * @description A shape of the bank.
+         */
+        ShapeView: {
+            /** Area */
+            area: number;
+            /** Arg Url */
+            arg_url: string;
+            /**
+             * Asset Id
+             * Format: uuid
+             */
+            asset_id: string;
+            /** Bounding Box */
+            bounding_box: number[][];
+            /** Closed */
+            closed: boolean;
+            /** Collection */
+            collection: string;
+            /**
+             * Collection Id
+             * Format: uuid
+             */
+            collection_id: string;
+            /** Components */
+            components: number;
+            /** Components Url */
+            components_url: string;
+            /**
+             * Created At
+             * Format: date-time
+             */
+            created_at: string;
+            /** Faces */
+            faces: number;
+            /** Genus */
+            genus: number | null;
+            /**
+             * Id
+             * Format: uuid
+             */
+            id: string;
+            /** Index Version */
+            index_version: number;
+            /**
+             * Indexed At
+             * Format: date-time
+             */
+            indexed_at: string;
+            /**
+             * Job Id
+             * Format: uuid
+             */
+            job_id: string;
+            /** Labels */
+            labels: {
+                [key: string]: string;
+            };
+            /** Mesh Url */
+            mesh_url: string;
+            /** Metadata */
+            metadata: {
+                [key: string]: unknown;
+            };
+            /** Name */
+            name: string;
+            /** Oriented */
+            oriented: boolean;
+            /** Outdated */
+            outdated: boolean;
+            /** Preview Url */
+            preview_url: string;
+            /** Vertices */
+            vertices: number;
+        };
+        /**
          * StageTime
          * @description How long one stage took.
          */
@@ -1640,6 +2261,37 @@ export interface components {
             name: string;
             /** Seconds */
             seconds: number;
+        };
+        /**
+         * StoredView
+         * @description A number of files and how much they hold together.
+         */
+        StoredView: {
+            /**
+             * Bytes
+             * @default 0
+             */
+            bytes: number;
+            /**
+             * Files
+             * @default 0
+             */
+            files: number;
+        };
+        /**
+         * UsageView
+         * @description What ``GET /v1/usage`` tells: how many jobs one has in which state, and how much one keeps on the server.
+         */
+        UsageView: {
+            /** Assets */
+            assets: {
+                [key: string]: components["schemas"]["StoredView"];
+            };
+            /** Jobs */
+            jobs: {
+                [key: string]: number;
+            };
+            results: components["schemas"]["StoredView"];
         };
     };
     responses: never;
@@ -4090,6 +4742,1107 @@ export interface operations {
             };
         };
     };
+    listCollections: {
+        parameters: {
+            query?: {
+                /** @description `next_cursor` of the page before; leave it out for the first page. */
+                cursor?: string | null;
+                /** @description Items a page may have. */
+                limit?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_CollectionView_"];
+                };
+            };
+            /** @description `unauthenticated`: An API key is needed, and none or an unknown one was given. */
+            401: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:unauthenticated",
+                     *       "title": "An API key is needed, and none or an unknown one was given.",
+                     *       "status": 401,
+                     *       "detail": "An API key is needed, and none or an unknown one was given.",
+                     *       "code": "unauthenticated",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `forbidden`: The API key has no scope that allows this. */
+            403: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:forbidden",
+                     *       "title": "The API key has no scope that allows this.",
+                     *       "status": 403,
+                     *       "detail": "The API key has no scope that allows this.",
+                     *       "code": "forbidden",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `validation_failed`: The request does not have the form it must have. */
+            422: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:validation_failed",
+                     *       "title": "The request does not have the form it must have.",
+                     *       "status": 422,
+                     *       "detail": "The request does not have the form it must have.",
+                     *       "code": "validation_failed",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `rate_limited`: Too many requests in a short time. */
+            429: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:rate_limited",
+                     *       "title": "Too many requests in a short time.",
+                     *       "status": 429,
+                     *       "detail": "Too many requests in a short time.",
+                     *       "code": "rate_limited",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Any other error. */
+            default: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:internal_error",
+                     *       "title": "The fault is ours; it was logged under the given request id.",
+                     *       "status": 500,
+                     *       "detail": "The fault is ours; it was logged under the given request id.",
+                     *       "code": "internal_error",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    createCollection: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["CollectionCreate"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    /** @description The collection's address. */
+                    Location?: string;
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CollectionView"];
+                };
+            };
+            /** @description `bad_request`: The request cannot be understood. */
+            400: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:bad_request",
+                     *       "title": "The request cannot be understood.",
+                     *       "status": 400,
+                     *       "detail": "The request cannot be understood.",
+                     *       "code": "bad_request",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `unauthenticated`: An API key is needed, and none or an unknown one was given. */
+            401: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:unauthenticated",
+                     *       "title": "An API key is needed, and none or an unknown one was given.",
+                     *       "status": 401,
+                     *       "detail": "An API key is needed, and none or an unknown one was given.",
+                     *       "code": "unauthenticated",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `forbidden`: The API key has no scope that allows this. */
+            403: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:forbidden",
+                     *       "title": "The API key has no scope that allows this.",
+                     *       "status": 403,
+                     *       "detail": "The API key has no scope that allows this.",
+                     *       "code": "forbidden",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `conflict`: The resource is not in a state in which this can be done. */
+            409: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:conflict",
+                     *       "title": "The resource is not in a state in which this can be done.",
+                     *       "status": 409,
+                     *       "detail": "The resource is not in a state in which this can be done.",
+                     *       "code": "conflict",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `validation_failed`: The request does not have the form it must have. */
+            422: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:validation_failed",
+                     *       "title": "The request does not have the form it must have.",
+                     *       "status": 422,
+                     *       "detail": "The request does not have the form it must have.",
+                     *       "code": "validation_failed",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `rate_limited`: Too many requests in a short time. */
+            429: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:rate_limited",
+                     *       "title": "Too many requests in a short time.",
+                     *       "status": 429,
+                     *       "detail": "Too many requests in a short time.",
+                     *       "code": "rate_limited",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Any other error. */
+            default: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:internal_error",
+                     *       "title": "The fault is ours; it was logged under the given request id.",
+                     *       "status": 500,
+                     *       "detail": "The fault is ours; it was logged under the given request id.",
+                     *       "code": "internal_error",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    getCollection: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                collection_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CollectionView"];
+                };
+            };
+            /** @description `unauthenticated`: An API key is needed, and none or an unknown one was given. */
+            401: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:unauthenticated",
+                     *       "title": "An API key is needed, and none or an unknown one was given.",
+                     *       "status": 401,
+                     *       "detail": "An API key is needed, and none or an unknown one was given.",
+                     *       "code": "unauthenticated",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `forbidden`: The API key has no scope that allows this. */
+            403: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:forbidden",
+                     *       "title": "The API key has no scope that allows this.",
+                     *       "status": 403,
+                     *       "detail": "The API key has no scope that allows this.",
+                     *       "code": "forbidden",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `not_found`: There is no such resource, or it is not yours. */
+            404: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:not_found",
+                     *       "title": "There is no such resource, or it is not yours.",
+                     *       "status": 404,
+                     *       "detail": "There is no such resource, or it is not yours.",
+                     *       "code": "not_found",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `validation_failed`: The request does not have the form it must have. */
+            422: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:validation_failed",
+                     *       "title": "The request does not have the form it must have.",
+                     *       "status": 422,
+                     *       "detail": "The request does not have the form it must have.",
+                     *       "code": "validation_failed",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `rate_limited`: Too many requests in a short time. */
+            429: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:rate_limited",
+                     *       "title": "Too many requests in a short time.",
+                     *       "status": 429,
+                     *       "detail": "Too many requests in a short time.",
+                     *       "code": "rate_limited",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Any other error. */
+            default: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:internal_error",
+                     *       "title": "The fault is ours; it was logged under the given request id.",
+                     *       "status": 500,
+                     *       "detail": "The fault is ours; it was logged under the given request id.",
+                     *       "code": "internal_error",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    deleteCollection: {
+        parameters: {
+            query?: {
+                /** @description Whether its shapes are deleted with it; without, it must be empty. */
+                shapes?: boolean;
+            };
+            header?: never;
+            path: {
+                collection_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description `unauthenticated`: An API key is needed, and none or an unknown one was given. */
+            401: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:unauthenticated",
+                     *       "title": "An API key is needed, and none or an unknown one was given.",
+                     *       "status": 401,
+                     *       "detail": "An API key is needed, and none or an unknown one was given.",
+                     *       "code": "unauthenticated",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `forbidden`: The API key has no scope that allows this. */
+            403: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:forbidden",
+                     *       "title": "The API key has no scope that allows this.",
+                     *       "status": 403,
+                     *       "detail": "The API key has no scope that allows this.",
+                     *       "code": "forbidden",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `not_found`: There is no such resource, or it is not yours. */
+            404: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:not_found",
+                     *       "title": "There is no such resource, or it is not yours.",
+                     *       "status": 404,
+                     *       "detail": "There is no such resource, or it is not yours.",
+                     *       "code": "not_found",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `conflict`: The resource is not in a state in which this can be done. */
+            409: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:conflict",
+                     *       "title": "The resource is not in a state in which this can be done.",
+                     *       "status": 409,
+                     *       "detail": "The resource is not in a state in which this can be done.",
+                     *       "code": "conflict",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `validation_failed`: The request does not have the form it must have. */
+            422: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:validation_failed",
+                     *       "title": "The request does not have the form it must have.",
+                     *       "status": 422,
+                     *       "detail": "The request does not have the form it must have.",
+                     *       "code": "validation_failed",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `rate_limited`: Too many requests in a short time. */
+            429: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:rate_limited",
+                     *       "title": "Too many requests in a short time.",
+                     *       "status": 429,
+                     *       "detail": "Too many requests in a short time.",
+                     *       "code": "rate_limited",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Any other error. */
+            default: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:internal_error",
+                     *       "title": "The fault is ours; it was logged under the given request id.",
+                     *       "status": 500,
+                     *       "detail": "The fault is ours; it was logged under the given request id.",
+                     *       "code": "internal_error",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    updateCollection: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                collection_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["CollectionUpdate"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CollectionView"];
+                };
+            };
+            /** @description `bad_request`: The request cannot be understood. */
+            400: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:bad_request",
+                     *       "title": "The request cannot be understood.",
+                     *       "status": 400,
+                     *       "detail": "The request cannot be understood.",
+                     *       "code": "bad_request",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `unauthenticated`: An API key is needed, and none or an unknown one was given. */
+            401: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:unauthenticated",
+                     *       "title": "An API key is needed, and none or an unknown one was given.",
+                     *       "status": 401,
+                     *       "detail": "An API key is needed, and none or an unknown one was given.",
+                     *       "code": "unauthenticated",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `forbidden`: The API key has no scope that allows this. */
+            403: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:forbidden",
+                     *       "title": "The API key has no scope that allows this.",
+                     *       "status": 403,
+                     *       "detail": "The API key has no scope that allows this.",
+                     *       "code": "forbidden",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `not_found`: There is no such resource, or it is not yours. */
+            404: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:not_found",
+                     *       "title": "There is no such resource, or it is not yours.",
+                     *       "status": 404,
+                     *       "detail": "There is no such resource, or it is not yours.",
+                     *       "code": "not_found",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `conflict`: The resource is not in a state in which this can be done. */
+            409: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:conflict",
+                     *       "title": "The resource is not in a state in which this can be done.",
+                     *       "status": 409,
+                     *       "detail": "The resource is not in a state in which this can be done.",
+                     *       "code": "conflict",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `validation_failed`: The request does not have the form it must have. */
+            422: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:validation_failed",
+                     *       "title": "The request does not have the form it must have.",
+                     *       "status": 422,
+                     *       "detail": "The request does not have the form it must have.",
+                     *       "code": "validation_failed",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `rate_limited`: Too many requests in a short time. */
+            429: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:rate_limited",
+                     *       "title": "Too many requests in a short time.",
+                     *       "status": 429,
+                     *       "detail": "Too many requests in a short time.",
+                     *       "code": "rate_limited",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Any other error. */
+            default: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:internal_error",
+                     *       "title": "The fault is ours; it was logged under the given request id.",
+                     *       "status": 500,
+                     *       "detail": "The fault is ours; it was logged under the given request id.",
+                     *       "code": "internal_error",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    reindexCollection: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                collection_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    /** @description The batch's address. */
+                    Location?: string;
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["BatchView"];
+                };
+            };
+            /** @description `unauthenticated`: An API key is needed, and none or an unknown one was given. */
+            401: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:unauthenticated",
+                     *       "title": "An API key is needed, and none or an unknown one was given.",
+                     *       "status": 401,
+                     *       "detail": "An API key is needed, and none or an unknown one was given.",
+                     *       "code": "unauthenticated",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `forbidden`: The API key has no scope that allows this. */
+            403: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:forbidden",
+                     *       "title": "The API key has no scope that allows this.",
+                     *       "status": 403,
+                     *       "detail": "The API key has no scope that allows this.",
+                     *       "code": "forbidden",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `not_found`: There is no such resource, or it is not yours. */
+            404: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:not_found",
+                     *       "title": "There is no such resource, or it is not yours.",
+                     *       "status": 404,
+                     *       "detail": "There is no such resource, or it is not yours.",
+                     *       "code": "not_found",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `conflict`: The resource is not in a state in which this can be done. */
+            409: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:conflict",
+                     *       "title": "The resource is not in a state in which this can be done.",
+                     *       "status": 409,
+                     *       "detail": "The resource is not in a state in which this can be done.",
+                     *       "code": "conflict",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `input_expired`: An input of the job has been deleted. */
+            410: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:input_expired",
+                     *       "title": "An input of the job has been deleted.",
+                     *       "status": 410,
+                     *       "detail": "An input of the job has been deleted.",
+                     *       "code": "input_expired",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `validation_failed`: The request does not have the form it must have. */
+            422: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:validation_failed",
+                     *       "title": "The request does not have the form it must have.",
+                     *       "status": 422,
+                     *       "detail": "The request does not have the form it must have.",
+                     *       "code": "validation_failed",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `rate_limited`: Too many requests in a short time. */
+            429: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:rate_limited",
+                     *       "title": "Too many requests in a short time.",
+                     *       "status": 429,
+                     *       "detail": "Too many requests in a short time.",
+                     *       "code": "rate_limited",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Any other error. */
+            default: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:internal_error",
+                     *       "title": "The fault is ours; it was logged under the given request id.",
+                     *       "status": 500,
+                     *       "detail": "The fault is ours; it was logged under the given request id.",
+                     *       "code": "internal_error",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     getInfo: {
         parameters: {
             query?: never;
@@ -6129,6 +7882,2461 @@ export interface operations {
             };
         };
     };
+    search: {
+        parameters: {
+            query?: {
+                /** @description Seconds to wait for the answer before a job is shown. */
+                wait?: number;
+            };
+            header?: {
+                /** @description Any text of your choice. A second request with the same key and the same body returns the first one's result; with another body it is refused. */
+                "Idempotency-Key"?: string | null;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SearchRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SearchAnswer"];
+                };
+            };
+            /** @description The job that searches; its address is `Location`, that of the answer `/v1/search/{job_id}`. */
+            202: {
+                headers: {
+                    /** @description The job's address. */
+                    Location?: string;
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["JobView"];
+                };
+            };
+            /** @description `bad_request`: The request cannot be understood. */
+            400: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:bad_request",
+                     *       "title": "The request cannot be understood.",
+                     *       "status": 400,
+                     *       "detail": "The request cannot be understood.",
+                     *       "code": "bad_request",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `unauthenticated`: An API key is needed, and none or an unknown one was given. */
+            401: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:unauthenticated",
+                     *       "title": "An API key is needed, and none or an unknown one was given.",
+                     *       "status": 401,
+                     *       "detail": "An API key is needed, and none or an unknown one was given.",
+                     *       "code": "unauthenticated",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `forbidden`: The API key has no scope that allows this. */
+            403: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:forbidden",
+                     *       "title": "The API key has no scope that allows this.",
+                     *       "status": 403,
+                     *       "detail": "The API key has no scope that allows this.",
+                     *       "code": "forbidden",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `not_found`: There is no such resource, or it is not yours. */
+            404: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:not_found",
+                     *       "title": "There is no such resource, or it is not yours.",
+                     *       "status": 404,
+                     *       "detail": "There is no such resource, or it is not yours.",
+                     *       "code": "not_found",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `idempotency_conflict`: The idempotency key was used before with another request. `conflict`: The resource is not in a state in which this can be done. */
+            409: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:idempotency_conflict",
+                     *       "title": "The idempotency key was used before with another request.",
+                     *       "status": 409,
+                     *       "detail": "The idempotency key was used before with another request.",
+                     *       "code": "idempotency_conflict",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `input_expired`: An input of the job has been deleted. */
+            410: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:input_expired",
+                     *       "title": "An input of the job has been deleted.",
+                     *       "status": 410,
+                     *       "detail": "An input of the job has been deleted.",
+                     *       "code": "input_expired",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `request_too_large`: The body is larger than this server accepts. */
+            413: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:request_too_large",
+                     *       "title": "The body is larger than this server accepts.",
+                     *       "status": 413,
+                     *       "detail": "The body is larger than this server accepts.",
+                     *       "code": "request_too_large",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `validation_failed`: The request does not have the form it must have. `unknown_job_kind`: There is no job of this kind. `invalid_params`: The job's parameters are not valid. `missing_input`: The job needs an input that was not given. `wrong_input_kind`: An input is of another kind than the job takes. */
+            422: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:validation_failed",
+                     *       "title": "The request does not have the form it must have.",
+                     *       "status": 422,
+                     *       "detail": "The request does not have the form it must have.",
+                     *       "code": "validation_failed",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `rate_limited`: Too many requests in a short time. */
+            429: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:rate_limited",
+                     *       "title": "Too many requests in a short time.",
+                     *       "status": 429,
+                     *       "detail": "Too many requests in a short time.",
+                     *       "code": "rate_limited",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `service_unavailable`: A part of the platform that this needs does not answer. */
+            503: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:service_unavailable",
+                     *       "title": "A part of the platform that this needs does not answer.",
+                     *       "status": 503,
+                     *       "detail": "A part of the platform that this needs does not answer.",
+                     *       "code": "service_unavailable",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Any other error. */
+            default: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:internal_error",
+                     *       "title": "The fault is ours; it was logged under the given request id.",
+                     *       "status": 500,
+                     *       "detail": "The fault is ours; it was logged under the given request id.",
+                     *       "code": "internal_error",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    getSearch: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                job_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SearchAnswer"];
+                };
+            };
+            /** @description The job that searches; its address is `Location`, that of the answer `/v1/search/{job_id}`. */
+            202: {
+                headers: {
+                    /** @description The job's address. */
+                    Location?: string;
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["JobView"];
+                };
+            };
+            /** @description `unauthenticated`: An API key is needed, and none or an unknown one was given. */
+            401: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:unauthenticated",
+                     *       "title": "An API key is needed, and none or an unknown one was given.",
+                     *       "status": 401,
+                     *       "detail": "An API key is needed, and none or an unknown one was given.",
+                     *       "code": "unauthenticated",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `forbidden`: The API key has no scope that allows this. */
+            403: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:forbidden",
+                     *       "title": "The API key has no scope that allows this.",
+                     *       "status": 403,
+                     *       "detail": "The API key has no scope that allows this.",
+                     *       "code": "forbidden",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `not_found`: There is no such resource, or it is not yours. */
+            404: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:not_found",
+                     *       "title": "There is no such resource, or it is not yours.",
+                     *       "status": 404,
+                     *       "detail": "There is no such resource, or it is not yours.",
+                     *       "code": "not_found",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `gone`: The resource existed and has expired or was deleted. */
+            410: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:gone",
+                     *       "title": "The resource existed and has expired or was deleted.",
+                     *       "status": 410,
+                     *       "detail": "The resource existed and has expired or was deleted.",
+                     *       "code": "gone",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `validation_failed`: The request does not have the form it must have. */
+            422: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:validation_failed",
+                     *       "title": "The request does not have the form it must have.",
+                     *       "status": 422,
+                     *       "detail": "The request does not have the form it must have.",
+                     *       "code": "validation_failed",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `rate_limited`: Too many requests in a short time. */
+            429: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:rate_limited",
+                     *       "title": "Too many requests in a short time.",
+                     *       "status": 429,
+                     *       "detail": "Too many requests in a short time.",
+                     *       "code": "rate_limited",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Any other error. */
+            default: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:internal_error",
+                     *       "title": "The fault is ours; it was logged under the given request id.",
+                     *       "status": 500,
+                     *       "detail": "The fault is ours; it was logged under the given request id.",
+                     *       "code": "internal_error",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    listShapes: {
+        parameters: {
+            query?: {
+                /** @description Only shapes of the collection of this name. */
+                collection?: string | null;
+                /** @description `next_cursor` of the page before; leave it out for the first page. */
+                cursor?: string | null;
+                /** @description Only shapes with this label, as `name:value`; all, where several. */
+                label?: string[];
+                /** @description Items a page may have. */
+                limit?: number;
+                /** @description Only shapes with this text in their name. */
+                name?: string | null;
+                /** @description Only shapes that an older version has indexed, which searches do not see. */
+                outdated?: boolean;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_ShapeView_"];
+                };
+            };
+            /** @description `unauthenticated`: An API key is needed, and none or an unknown one was given. */
+            401: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:unauthenticated",
+                     *       "title": "An API key is needed, and none or an unknown one was given.",
+                     *       "status": 401,
+                     *       "detail": "An API key is needed, and none or an unknown one was given.",
+                     *       "code": "unauthenticated",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `forbidden`: The API key has no scope that allows this. */
+            403: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:forbidden",
+                     *       "title": "The API key has no scope that allows this.",
+                     *       "status": 403,
+                     *       "detail": "The API key has no scope that allows this.",
+                     *       "code": "forbidden",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `not_found`: There is no such resource, or it is not yours. */
+            404: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:not_found",
+                     *       "title": "There is no such resource, or it is not yours.",
+                     *       "status": 404,
+                     *       "detail": "There is no such resource, or it is not yours.",
+                     *       "code": "not_found",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `validation_failed`: The request does not have the form it must have. */
+            422: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:validation_failed",
+                     *       "title": "The request does not have the form it must have.",
+                     *       "status": 422,
+                     *       "detail": "The request does not have the form it must have.",
+                     *       "code": "validation_failed",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `rate_limited`: Too many requests in a short time. */
+            429: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:rate_limited",
+                     *       "title": "Too many requests in a short time.",
+                     *       "status": 429,
+                     *       "detail": "Too many requests in a short time.",
+                     *       "code": "rate_limited",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Any other error. */
+            default: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:internal_error",
+                     *       "title": "The fault is ours; it was logged under the given request id.",
+                     *       "status": 500,
+                     *       "detail": "The fault is ours; it was logged under the given request id.",
+                     *       "code": "internal_error",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    getShape: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                shape_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ShapeDetail"];
+                };
+            };
+            /** @description `unauthenticated`: An API key is needed, and none or an unknown one was given. */
+            401: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:unauthenticated",
+                     *       "title": "An API key is needed, and none or an unknown one was given.",
+                     *       "status": 401,
+                     *       "detail": "An API key is needed, and none or an unknown one was given.",
+                     *       "code": "unauthenticated",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `forbidden`: The API key has no scope that allows this. */
+            403: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:forbidden",
+                     *       "title": "The API key has no scope that allows this.",
+                     *       "status": 403,
+                     *       "detail": "The API key has no scope that allows this.",
+                     *       "code": "forbidden",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `not_found`: There is no such resource, or it is not yours. */
+            404: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:not_found",
+                     *       "title": "There is no such resource, or it is not yours.",
+                     *       "status": 404,
+                     *       "detail": "There is no such resource, or it is not yours.",
+                     *       "code": "not_found",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `validation_failed`: The request does not have the form it must have. */
+            422: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:validation_failed",
+                     *       "title": "The request does not have the form it must have.",
+                     *       "status": 422,
+                     *       "detail": "The request does not have the form it must have.",
+                     *       "code": "validation_failed",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `rate_limited`: Too many requests in a short time. */
+            429: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:rate_limited",
+                     *       "title": "Too many requests in a short time.",
+                     *       "status": 429,
+                     *       "detail": "Too many requests in a short time.",
+                     *       "code": "rate_limited",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Any other error. */
+            default: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:internal_error",
+                     *       "title": "The fault is ours; it was logged under the given request id.",
+                     *       "status": 500,
+                     *       "detail": "The fault is ours; it was logged under the given request id.",
+                     *       "code": "internal_error",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    deleteShape: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                shape_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description `unauthenticated`: An API key is needed, and none or an unknown one was given. */
+            401: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:unauthenticated",
+                     *       "title": "An API key is needed, and none or an unknown one was given.",
+                     *       "status": 401,
+                     *       "detail": "An API key is needed, and none or an unknown one was given.",
+                     *       "code": "unauthenticated",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `forbidden`: The API key has no scope that allows this. */
+            403: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:forbidden",
+                     *       "title": "The API key has no scope that allows this.",
+                     *       "status": 403,
+                     *       "detail": "The API key has no scope that allows this.",
+                     *       "code": "forbidden",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `not_found`: There is no such resource, or it is not yours. */
+            404: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:not_found",
+                     *       "title": "There is no such resource, or it is not yours.",
+                     *       "status": 404,
+                     *       "detail": "There is no such resource, or it is not yours.",
+                     *       "code": "not_found",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `validation_failed`: The request does not have the form it must have. */
+            422: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:validation_failed",
+                     *       "title": "The request does not have the form it must have.",
+                     *       "status": 422,
+                     *       "detail": "The request does not have the form it must have.",
+                     *       "code": "validation_failed",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `rate_limited`: Too many requests in a short time. */
+            429: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:rate_limited",
+                     *       "title": "Too many requests in a short time.",
+                     *       "status": 429,
+                     *       "detail": "Too many requests in a short time.",
+                     *       "code": "rate_limited",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Any other error. */
+            default: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:internal_error",
+                     *       "title": "The fault is ours; it was logged under the given request id.",
+                     *       "status": 500,
+                     *       "detail": "The fault is ours; it was logged under the given request id.",
+                     *       "code": "internal_error",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    updateShape: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                shape_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ShapeUpdate"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ShapeDetail"];
+                };
+            };
+            /** @description `bad_request`: The request cannot be understood. */
+            400: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:bad_request",
+                     *       "title": "The request cannot be understood.",
+                     *       "status": 400,
+                     *       "detail": "The request cannot be understood.",
+                     *       "code": "bad_request",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `unauthenticated`: An API key is needed, and none or an unknown one was given. */
+            401: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:unauthenticated",
+                     *       "title": "An API key is needed, and none or an unknown one was given.",
+                     *       "status": 401,
+                     *       "detail": "An API key is needed, and none or an unknown one was given.",
+                     *       "code": "unauthenticated",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `forbidden`: The API key has no scope that allows this. */
+            403: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:forbidden",
+                     *       "title": "The API key has no scope that allows this.",
+                     *       "status": 403,
+                     *       "detail": "The API key has no scope that allows this.",
+                     *       "code": "forbidden",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `not_found`: There is no such resource, or it is not yours. */
+            404: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:not_found",
+                     *       "title": "There is no such resource, or it is not yours.",
+                     *       "status": 404,
+                     *       "detail": "There is no such resource, or it is not yours.",
+                     *       "code": "not_found",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `validation_failed`: The request does not have the form it must have. */
+            422: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:validation_failed",
+                     *       "title": "The request does not have the form it must have.",
+                     *       "status": 422,
+                     *       "detail": "The request does not have the form it must have.",
+                     *       "code": "validation_failed",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `rate_limited`: Too many requests in a short time. */
+            429: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:rate_limited",
+                     *       "title": "Too many requests in a short time.",
+                     *       "status": 429,
+                     *       "detail": "Too many requests in a short time.",
+                     *       "code": "rate_limited",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Any other error. */
+            default: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:internal_error",
+                     *       "title": "The fault is ours; it was logged under the given request id.",
+                     *       "status": 500,
+                     *       "detail": "The fault is ours; it was logged under the given request id.",
+                     *       "code": "internal_error",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    getShapeGraph: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description Entity tags one of which the content must have. */
+                "If-Match"?: string;
+                /** @description Entity tags that the client has already. */
+                "If-None-Match"?: string;
+                /** @description Entity tag for which `Range` holds; with another the whole content comes. */
+                "If-Range"?: string;
+                /** @description Bytes to return: `bytes=0-1023`. */
+                Range?: string;
+            };
+            path: {
+                shape_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The whole content. */
+            200: {
+                headers: {
+                    "Accept-Ranges"?: "bytes";
+                    "Content-Disposition"?: string;
+                    /** @description The SHA-256 of the content, quoted. */
+                    ETag?: string;
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "*/*": unknown;
+                };
+            };
+            /** @description The asked ranges: one as it is, several as `multipart/byteranges`. */
+            206: {
+                headers: {
+                    "Accept-Ranges"?: "bytes";
+                    "Content-Disposition"?: string;
+                    /** @description Which bytes these are. */
+                    "Content-Range"?: string;
+                    /** @description The SHA-256 of the content, quoted. */
+                    ETag?: string;
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "*/*": unknown;
+                };
+            };
+            /** @description The content is still the one of `If-None-Match`. */
+            304: {
+                headers: {
+                    /** @description The SHA-256 of the content, quoted. */
+                    ETag?: string;
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description `unauthenticated`: An API key is needed, and none or an unknown one was given. */
+            401: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:unauthenticated",
+                     *       "title": "An API key is needed, and none or an unknown one was given.",
+                     *       "status": 401,
+                     *       "detail": "An API key is needed, and none or an unknown one was given.",
+                     *       "code": "unauthenticated",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `forbidden`: The API key has no scope that allows this. */
+            403: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:forbidden",
+                     *       "title": "The API key has no scope that allows this.",
+                     *       "status": 403,
+                     *       "detail": "The API key has no scope that allows this.",
+                     *       "code": "forbidden",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `not_found`: There is no such resource, or it is not yours. */
+            404: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:not_found",
+                     *       "title": "There is no such resource, or it is not yours.",
+                     *       "status": 404,
+                     *       "detail": "There is no such resource, or it is not yours.",
+                     *       "code": "not_found",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `gone`: The resource existed and has expired or was deleted. */
+            410: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:gone",
+                     *       "title": "The resource existed and has expired or was deleted.",
+                     *       "status": 410,
+                     *       "detail": "The resource existed and has expired or was deleted.",
+                     *       "code": "gone",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `precondition_failed`: A precondition given in the request's headers does not hold. */
+            412: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:precondition_failed",
+                     *       "title": "A precondition given in the request's headers does not hold.",
+                     *       "status": 412,
+                     *       "detail": "A precondition given in the request's headers does not hold.",
+                     *       "code": "precondition_failed",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `range_not_satisfiable`: The asked range lies outside the content. */
+            416: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:range_not_satisfiable",
+                     *       "title": "The asked range lies outside the content.",
+                     *       "status": 416,
+                     *       "detail": "The asked range lies outside the content.",
+                     *       "code": "range_not_satisfiable",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `validation_failed`: The request does not have the form it must have. */
+            422: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:validation_failed",
+                     *       "title": "The request does not have the form it must have.",
+                     *       "status": 422,
+                     *       "detail": "The request does not have the form it must have.",
+                     *       "code": "validation_failed",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `rate_limited`: Too many requests in a short time. */
+            429: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:rate_limited",
+                     *       "title": "Too many requests in a short time.",
+                     *       "status": 429,
+                     *       "detail": "Too many requests in a short time.",
+                     *       "code": "rate_limited",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Any other error. */
+            default: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:internal_error",
+                     *       "title": "The fault is ours; it was logged under the given request id.",
+                     *       "status": 500,
+                     *       "detail": "The fault is ours; it was logged under the given request id.",
+                     *       "code": "internal_error",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    getShapeComponents: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description Entity tags one of which the content must have. */
+                "If-Match"?: string;
+                /** @description Entity tags that the client has already. */
+                "If-None-Match"?: string;
+                /** @description Entity tag for which `Range` holds; with another the whole content comes. */
+                "If-Range"?: string;
+                /** @description Bytes to return: `bytes=0-1023`. */
+                Range?: string;
+            };
+            path: {
+                shape_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The whole content. */
+            200: {
+                headers: {
+                    "Accept-Ranges"?: "bytes";
+                    "Content-Disposition"?: string;
+                    /** @description The SHA-256 of the content, quoted. */
+                    ETag?: string;
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "*/*": unknown;
+                };
+            };
+            /** @description The asked ranges: one as it is, several as `multipart/byteranges`. */
+            206: {
+                headers: {
+                    "Accept-Ranges"?: "bytes";
+                    "Content-Disposition"?: string;
+                    /** @description Which bytes these are. */
+                    "Content-Range"?: string;
+                    /** @description The SHA-256 of the content, quoted. */
+                    ETag?: string;
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "*/*": unknown;
+                };
+            };
+            /** @description The content is still the one of `If-None-Match`. */
+            304: {
+                headers: {
+                    /** @description The SHA-256 of the content, quoted. */
+                    ETag?: string;
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description `unauthenticated`: An API key is needed, and none or an unknown one was given. */
+            401: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:unauthenticated",
+                     *       "title": "An API key is needed, and none or an unknown one was given.",
+                     *       "status": 401,
+                     *       "detail": "An API key is needed, and none or an unknown one was given.",
+                     *       "code": "unauthenticated",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `forbidden`: The API key has no scope that allows this. */
+            403: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:forbidden",
+                     *       "title": "The API key has no scope that allows this.",
+                     *       "status": 403,
+                     *       "detail": "The API key has no scope that allows this.",
+                     *       "code": "forbidden",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `not_found`: There is no such resource, or it is not yours. */
+            404: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:not_found",
+                     *       "title": "There is no such resource, or it is not yours.",
+                     *       "status": 404,
+                     *       "detail": "There is no such resource, or it is not yours.",
+                     *       "code": "not_found",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `gone`: The resource existed and has expired or was deleted. */
+            410: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:gone",
+                     *       "title": "The resource existed and has expired or was deleted.",
+                     *       "status": 410,
+                     *       "detail": "The resource existed and has expired or was deleted.",
+                     *       "code": "gone",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `precondition_failed`: A precondition given in the request's headers does not hold. */
+            412: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:precondition_failed",
+                     *       "title": "A precondition given in the request's headers does not hold.",
+                     *       "status": 412,
+                     *       "detail": "A precondition given in the request's headers does not hold.",
+                     *       "code": "precondition_failed",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `range_not_satisfiable`: The asked range lies outside the content. */
+            416: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:range_not_satisfiable",
+                     *       "title": "The asked range lies outside the content.",
+                     *       "status": 416,
+                     *       "detail": "The asked range lies outside the content.",
+                     *       "code": "range_not_satisfiable",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `validation_failed`: The request does not have the form it must have. */
+            422: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:validation_failed",
+                     *       "title": "The request does not have the form it must have.",
+                     *       "status": 422,
+                     *       "detail": "The request does not have the form it must have.",
+                     *       "code": "validation_failed",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `rate_limited`: Too many requests in a short time. */
+            429: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:rate_limited",
+                     *       "title": "Too many requests in a short time.",
+                     *       "status": 429,
+                     *       "detail": "Too many requests in a short time.",
+                     *       "code": "rate_limited",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Any other error. */
+            default: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:internal_error",
+                     *       "title": "The fault is ours; it was logged under the given request id.",
+                     *       "status": 500,
+                     *       "detail": "The fault is ours; it was logged under the given request id.",
+                     *       "code": "internal_error",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    getShapeMesh: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description Entity tags one of which the content must have. */
+                "If-Match"?: string;
+                /** @description Entity tags that the client has already. */
+                "If-None-Match"?: string;
+                /** @description Entity tag for which `Range` holds; with another the whole content comes. */
+                "If-Range"?: string;
+                /** @description Bytes to return: `bytes=0-1023`. */
+                Range?: string;
+            };
+            path: {
+                shape_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The whole content. */
+            200: {
+                headers: {
+                    "Accept-Ranges"?: "bytes";
+                    "Content-Disposition"?: string;
+                    /** @description The SHA-256 of the content, quoted. */
+                    ETag?: string;
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "*/*": unknown;
+                };
+            };
+            /** @description The asked ranges: one as it is, several as `multipart/byteranges`. */
+            206: {
+                headers: {
+                    "Accept-Ranges"?: "bytes";
+                    "Content-Disposition"?: string;
+                    /** @description Which bytes these are. */
+                    "Content-Range"?: string;
+                    /** @description The SHA-256 of the content, quoted. */
+                    ETag?: string;
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "*/*": unknown;
+                };
+            };
+            /** @description The content is still the one of `If-None-Match`. */
+            304: {
+                headers: {
+                    /** @description The SHA-256 of the content, quoted. */
+                    ETag?: string;
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description `unauthenticated`: An API key is needed, and none or an unknown one was given. */
+            401: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:unauthenticated",
+                     *       "title": "An API key is needed, and none or an unknown one was given.",
+                     *       "status": 401,
+                     *       "detail": "An API key is needed, and none or an unknown one was given.",
+                     *       "code": "unauthenticated",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `forbidden`: The API key has no scope that allows this. */
+            403: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:forbidden",
+                     *       "title": "The API key has no scope that allows this.",
+                     *       "status": 403,
+                     *       "detail": "The API key has no scope that allows this.",
+                     *       "code": "forbidden",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `not_found`: There is no such resource, or it is not yours. */
+            404: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:not_found",
+                     *       "title": "There is no such resource, or it is not yours.",
+                     *       "status": 404,
+                     *       "detail": "There is no such resource, or it is not yours.",
+                     *       "code": "not_found",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `gone`: The resource existed and has expired or was deleted. */
+            410: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:gone",
+                     *       "title": "The resource existed and has expired or was deleted.",
+                     *       "status": 410,
+                     *       "detail": "The resource existed and has expired or was deleted.",
+                     *       "code": "gone",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `precondition_failed`: A precondition given in the request's headers does not hold. */
+            412: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:precondition_failed",
+                     *       "title": "A precondition given in the request's headers does not hold.",
+                     *       "status": 412,
+                     *       "detail": "A precondition given in the request's headers does not hold.",
+                     *       "code": "precondition_failed",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `range_not_satisfiable`: The asked range lies outside the content. */
+            416: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:range_not_satisfiable",
+                     *       "title": "The asked range lies outside the content.",
+                     *       "status": 416,
+                     *       "detail": "The asked range lies outside the content.",
+                     *       "code": "range_not_satisfiable",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `validation_failed`: The request does not have the form it must have. */
+            422: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:validation_failed",
+                     *       "title": "The request does not have the form it must have.",
+                     *       "status": 422,
+                     *       "detail": "The request does not have the form it must have.",
+                     *       "code": "validation_failed",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `rate_limited`: Too many requests in a short time. */
+            429: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:rate_limited",
+                     *       "title": "Too many requests in a short time.",
+                     *       "status": 429,
+                     *       "detail": "Too many requests in a short time.",
+                     *       "code": "rate_limited",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Any other error. */
+            default: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:internal_error",
+                     *       "title": "The fault is ours; it was logged under the given request id.",
+                     *       "status": 500,
+                     *       "detail": "The fault is ours; it was logged under the given request id.",
+                     *       "code": "internal_error",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    getShapePreview: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description Entity tags one of which the content must have. */
+                "If-Match"?: string;
+                /** @description Entity tags that the client has already. */
+                "If-None-Match"?: string;
+                /** @description Entity tag for which `Range` holds; with another the whole content comes. */
+                "If-Range"?: string;
+                /** @description Bytes to return: `bytes=0-1023`. */
+                Range?: string;
+            };
+            path: {
+                shape_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The whole content. */
+            200: {
+                headers: {
+                    "Accept-Ranges"?: "bytes";
+                    "Content-Disposition"?: string;
+                    /** @description The SHA-256 of the content, quoted. */
+                    ETag?: string;
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "*/*": unknown;
+                };
+            };
+            /** @description The asked ranges: one as it is, several as `multipart/byteranges`. */
+            206: {
+                headers: {
+                    "Accept-Ranges"?: "bytes";
+                    "Content-Disposition"?: string;
+                    /** @description Which bytes these are. */
+                    "Content-Range"?: string;
+                    /** @description The SHA-256 of the content, quoted. */
+                    ETag?: string;
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "*/*": unknown;
+                };
+            };
+            /** @description The content is still the one of `If-None-Match`. */
+            304: {
+                headers: {
+                    /** @description The SHA-256 of the content, quoted. */
+                    ETag?: string;
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description `unauthenticated`: An API key is needed, and none or an unknown one was given. */
+            401: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:unauthenticated",
+                     *       "title": "An API key is needed, and none or an unknown one was given.",
+                     *       "status": 401,
+                     *       "detail": "An API key is needed, and none or an unknown one was given.",
+                     *       "code": "unauthenticated",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `forbidden`: The API key has no scope that allows this. */
+            403: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:forbidden",
+                     *       "title": "The API key has no scope that allows this.",
+                     *       "status": 403,
+                     *       "detail": "The API key has no scope that allows this.",
+                     *       "code": "forbidden",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `not_found`: There is no such resource, or it is not yours. */
+            404: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:not_found",
+                     *       "title": "There is no such resource, or it is not yours.",
+                     *       "status": 404,
+                     *       "detail": "There is no such resource, or it is not yours.",
+                     *       "code": "not_found",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `gone`: The resource existed and has expired or was deleted. */
+            410: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:gone",
+                     *       "title": "The resource existed and has expired or was deleted.",
+                     *       "status": 410,
+                     *       "detail": "The resource existed and has expired or was deleted.",
+                     *       "code": "gone",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `precondition_failed`: A precondition given in the request's headers does not hold. */
+            412: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:precondition_failed",
+                     *       "title": "A precondition given in the request's headers does not hold.",
+                     *       "status": 412,
+                     *       "detail": "A precondition given in the request's headers does not hold.",
+                     *       "code": "precondition_failed",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `range_not_satisfiable`: The asked range lies outside the content. */
+            416: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:range_not_satisfiable",
+                     *       "title": "The asked range lies outside the content.",
+                     *       "status": 416,
+                     *       "detail": "The asked range lies outside the content.",
+                     *       "code": "range_not_satisfiable",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `validation_failed`: The request does not have the form it must have. */
+            422: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:validation_failed",
+                     *       "title": "The request does not have the form it must have.",
+                     *       "status": 422,
+                     *       "detail": "The request does not have the form it must have.",
+                     *       "code": "validation_failed",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `rate_limited`: Too many requests in a short time. */
+            429: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:rate_limited",
+                     *       "title": "Too many requests in a short time.",
+                     *       "status": 429,
+                     *       "detail": "Too many requests in a short time.",
+                     *       "code": "rate_limited",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Any other error. */
+            default: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:internal_error",
+                     *       "title": "The fault is ours; it was logged under the given request id.",
+                     *       "status": 500,
+                     *       "detail": "The fault is ours; it was logged under the given request id.",
+                     *       "code": "internal_error",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    reindexShape: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                shape_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    /** @description The job's address. */
+                    Location?: string;
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["JobView"];
+                };
+            };
+            /** @description `unauthenticated`: An API key is needed, and none or an unknown one was given. */
+            401: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:unauthenticated",
+                     *       "title": "An API key is needed, and none or an unknown one was given.",
+                     *       "status": 401,
+                     *       "detail": "An API key is needed, and none or an unknown one was given.",
+                     *       "code": "unauthenticated",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `forbidden`: The API key has no scope that allows this. */
+            403: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:forbidden",
+                     *       "title": "The API key has no scope that allows this.",
+                     *       "status": 403,
+                     *       "detail": "The API key has no scope that allows this.",
+                     *       "code": "forbidden",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `not_found`: There is no such resource, or it is not yours. */
+            404: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:not_found",
+                     *       "title": "There is no such resource, or it is not yours.",
+                     *       "status": 404,
+                     *       "detail": "There is no such resource, or it is not yours.",
+                     *       "code": "not_found",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `input_expired`: An input of the job has been deleted. */
+            410: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:input_expired",
+                     *       "title": "An input of the job has been deleted.",
+                     *       "status": 410,
+                     *       "detail": "An input of the job has been deleted.",
+                     *       "code": "input_expired",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `validation_failed`: The request does not have the form it must have. */
+            422: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:validation_failed",
+                     *       "title": "The request does not have the form it must have.",
+                     *       "status": 422,
+                     *       "detail": "The request does not have the form it must have.",
+                     *       "code": "validation_failed",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `rate_limited`: Too many requests in a short time. */
+            429: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:rate_limited",
+                     *       "title": "Too many requests in a short time.",
+                     *       "status": 429,
+                     *       "detail": "Too many requests in a short time.",
+                     *       "code": "rate_limited",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Any other error. */
+            default: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:internal_error",
+                     *       "title": "The fault is ours; it was logged under the given request id.",
+                     *       "status": 500,
+                     *       "detail": "The fault is ours; it was logged under the given request id.",
+                     *       "code": "internal_error",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     createUpload: {
         parameters: {
             query?: never;
@@ -7362,6 +11570,120 @@ export interface operations {
                      *       "status": 507,
                      *       "detail": "The server's storage has no room for this.",
                      *       "code": "storage_full",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Any other error. */
+            default: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:internal_error",
+                     *       "title": "The fault is ours; it was logged under the given request id.",
+                     *       "status": 500,
+                     *       "detail": "The fault is ours; it was logged under the given request id.",
+                     *       "code": "internal_error",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    getUsage: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["UsageView"];
+                };
+            };
+            /** @description `unauthenticated`: An API key is needed, and none or an unknown one was given. */
+            401: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:unauthenticated",
+                     *       "title": "An API key is needed, and none or an unknown one was given.",
+                     *       "status": 401,
+                     *       "detail": "An API key is needed, and none or an unknown one was given.",
+                     *       "code": "unauthenticated",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `forbidden`: The API key has no scope that allows this. */
+            403: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:forbidden",
+                     *       "title": "The API key has no scope that allows this.",
+                     *       "status": 403,
+                     *       "detail": "The API key has no scope that allows this.",
+                     *       "code": "forbidden",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `rate_limited`: Too many requests in a short time. */
+            429: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:rate_limited",
+                     *       "title": "Too many requests in a short time.",
+                     *       "status": 429,
+                     *       "detail": "Too many requests in a short time.",
+                     *       "code": "rate_limited",
                      *       "hint": "",
                      *       "instance": "/v1/…",
                      *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
