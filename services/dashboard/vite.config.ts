@@ -18,9 +18,9 @@ export default defineConfig({
   },
   server: {
     // `npm run dev` beside a running platform: SHAPERY_SERVER names its address.
-    proxy: {
-      "/v1": { target: process.env.SHAPERY_SERVER ?? "http://127.0.0.1:8000" },
-    },
+    proxy: Object.fromEntries(
+      ["/v1", "/readyz"].map((path) => [path, process.env.SHAPERY_SERVER ?? "http://127.0.0.1:8000"]),
+    ),
   },
   test: {
     include: ["src/**/*.test.ts", "tests/**/*.test.ts"],

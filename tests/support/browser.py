@@ -58,9 +58,12 @@ class Watch:
         self.hosts: set[str] = set()
         self.allowed: list[str] = []
         """Patterns of messages that the test provokes."""
-        page.on("console", lambda message: message.type == "error" and self.faults.append(message.text[:500]))
+        page.on("console", lambda message: message.type == "error" and self._told(message))
         page.on("pageerror", lambda error: self.faults.append(str(error)[:500]))
         page.on("request", self._request)
+
+    def _told(self, message: Any) -> None:
+        self.faults.append(f"{message.text[:500]} {message.location.get('url', '')}".strip())
 
     def _request(self, request: Any) -> None:
         parts = urlsplit(request.url)

@@ -3,7 +3,7 @@ import { problemFrom } from "@/api/problem";
 import { changedParams } from "@/features/jobs/changedParams";
 import { drawableName } from "@/features/segmentation/drawable";
 import { parseSeeds } from "@/features/segmentation/params";
-import { guessRoles } from "@/features/segmentation/roles";
+import { guessRoles, pairUp } from "@/features/segmentation/roles";
 import { LABELS, rgb } from "@/viewers/labels";
 
 const volumes = (...names: string[]) => names.map((filename) => ({ id: filename, filename }));
@@ -100,4 +100,24 @@ describe("changedParams", () => {
   it("shows everything where the kind is not known", () => {
     expect(changedParams({ a: 1 }, undefined)).toEqual([["a", 1]]);
   });
+});
+
+describe("pairUp", () => {
+  const named = (...names: string[]) => names.map((filename) => ({ id: filename, filename }));
+
+  it.each([
+    [["01_t1.nii.gz", "01_t1c.nii.gz"], [["01_t1c.nii.gz", "01_t1.nii.gz"]]],
+    [
+      ["b_T1.nii", "a_T1gd.nii", "b-T1-Gd.nii", "a T1.nii"],
+      [
+        ["a_T1gd.nii", "a T1.nii"],
+        ["b-T1-Gd.nii", "b_T1.nii"],
+      ],
+    ],
+    [["x_post.mha", "y_pre.mha"], [["x_post.mha", null]]],
+    [["flair.nii", "truth.nii.gz"], []],
+    [["BraTS-07-t1ce.nii.gz", "BraTS-08-t1.nii.gz"], [["BraTS-07-t1ce.nii.gz", null]]],
+  ])("finds in %j who belongs to whom", (names, pairs) =>
+    expect(pairUp(named(...names)).map(({ post, pre }) => [post, pre])).toEqual(pairs),
+  );
 });

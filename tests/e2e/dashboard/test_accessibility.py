@@ -14,6 +14,8 @@ from tests.e2e.dashboard.conftest import OpenPage, Probe
 pytestmark = [pytest.mark.server, pytest.mark.browser]
 
 AXE = ROOT / "services" / "dashboard" / "node_modules" / "axe-core" / "axe.min.js"
+OTHER_PAGES = {"/": "Recent work", "/batches": "New batch", "/batches/new": "New batch", "/settings": "Make a key"}
+"""Pages that need nothing done first, and a text that is there when they are."""
 SIZES = [(1280, 720), (820, 1180)]
 
 
@@ -48,9 +50,14 @@ def test_pages_are_open_to_everyone(
     failed = probe(action="user_error")
     running = probe(steps=600, step_seconds=0.1)
     page = open_page("/jobs", color_scheme=scheme)
+    base = page.url.removesuffix("/jobs")
     page.locator(f"tr[data-job='{running}'] [role=progressbar]").wait_for()
     faults = {"jobs": serious(page, axe)}
-    page.goto(page.url.replace("/jobs", f"/jobs/{running}"))
+    for path, shows in OTHER_PAGES.items():
+        page.goto(base + path)
+        page.get_by_text(shows).first.wait_for()
+        faults[path] = serious(page, axe)
+    page.goto(f"{base}/jobs/{running}")
     page.get_by_text("step").first.wait_for()
     faults["running"] = serious(page, axe)
     api.post(f"/v1/jobs/{running}/cancel")
@@ -73,6 +80,7 @@ def test_pages_are_open_to_everyone(
 def test_nothing_sticks_out_of_the_window(open_page: OpenPage, probe: Probe, size: tuple[int, int]) -> None:
     job = probe(action="user_error")
     page = open_page("/jobs")
+    base = page.url.removesuffix("/jobs")
     page.set_viewport_size({"width": size[0], "height": size[1]})
     page.locator(f"tr[data-job='{job}']").wait_for()
     assert overflow(page) <= 0
@@ -82,6 +90,10 @@ def test_nothing_sticks_out_of_the_window(open_page: OpenPage, probe: Probe, siz
     page.goto(page.url.replace(f"/jobs/{job}", "/upload"))
     page.get_by_text("Drop volumes here").wait_for()
     assert overflow(page) <= 0
+    for path, shows in OTHER_PAGES.items():
+        page.goto(base + path)
+        page.get_by_text(shows).first.wait_for()
+        assert overflow(page) <= 0, path
 
 
 def test_the_keyboard_is_enough(open_page: OpenPage, probe: Probe, tmp_path: Path) -> None:

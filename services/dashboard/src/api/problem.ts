@@ -17,6 +17,8 @@ export class ApiError extends Error {
     message: string,
     readonly hint: string,
     readonly requestId = "",
+    /** The whole answer, for those who know more of its form. */
+    readonly problem: unknown = null,
   ) {
     super(message);
   }
@@ -54,7 +56,8 @@ export function problemFrom(status: number, body: unknown): ApiError {
     const detail = fields.length
       ? `${problem.detail} ${fields.map((field) => `${field.location}: ${field.message}`).join("; ")}`
       : problem.detail;
-    return new ApiError(status, problem.code ?? `http_${status}`, detail, problem.hint ?? "", problem.request_id ?? "");
+    const { code = `http_${status}`, hint = "", request_id = "" } = problem;
+    return new ApiError(status, code, detail, hint, request_id, body);
   }
   return new ApiError(status, `http_${status}`, `The server answered with status ${status}.`, "");
 }

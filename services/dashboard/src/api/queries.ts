@@ -1,11 +1,13 @@
 import { type QueryClient, queryOptions, useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { api, body } from "./client";
-import type { Asset, Job, JobCreate, JobEvent, JobState } from "./types";
+import { ApiError } from "./problem";
+import type { Asset, Job, JobCreate, JobEvent, JobState, Readiness } from "./types";
 import { isTerminal } from "./types";
 
 export interface JobFilter {
   state?: JobState | undefined;
   cursor?: string | undefined;
+  batch?: string | undefined;
 }
 
 export const PAGE_SIZE = 25;
@@ -13,6 +15,8 @@ export const PAGE_SIZE = 25;
 export const keys = {
   info: ["info"] as const,
   kinds: ["kinds"] as const,
+  readiness: ["readiness"] as const,
+  usage: ["usage"] as const,
   jobLists: ["jobs", "list"] as const,
   jobs: (filter: JobFilter) => ["jobs", "list", filter] as const,
   job: (id: string) => ["jobs", "one", id] as const,
@@ -33,6 +37,30 @@ export const kindsQuery = queryOptions({
   staleTime: 15_000,
 });
 
+/** How the parts that the server stands on are; a part that is down makes the answer an error, and is told all the same. */
+export const readinessQuery = queryOptions({
+  queryKey: keys.readiness,
+  queryFn: async ({ signal }): Promise<Readiness> => {
+    try {
+      return await body(api.GET("/readyz", { signal }));
+    } catch (error) {
+      if (error instanceof ApiError && isReadiness(error.problem)) return { ...error.problem, status: "down" };
+      throw error;
+    }
+  },
+  refetchInterval: 10_000,
+});
+
+function isReadiness(problem: unknown): problem is Pick<Readiness, "checks"> {
+  return typeof problem === "object" && problem !== null && "checks" in problem;
+}
+
+export const usageQuery = queryOptions({
+  queryKey: keys.usage,
+  queryFn: ({ signal }) => body(api.GET("/v1/usage", { signal })),
+  refetchInterval: 5_000,
+});
+
 export const jobsQuery = (filter: JobFilter) =>
   queryOptions({
     queryKey: keys.jobs(filter),
@@ -44,6 +72,7 @@ export const jobsQuery = (filter: JobFilter) =>
               limit: PAGE_SIZE,
               ...(filter.state ? { state: filter.state } : {}),
               ...(filter.cursor ? { cursor: filter.cursor } : {}),
+              ...(filter.batch ? { batch_id: filter.batch } : {}),
             },
           },
           signal,
@@ -63,16 +92,13 @@ export const jobQuery = (id: string) =>
       ),
   });
 
-export const volumesQuery = queryOptions({
-  queryKey: keys.assets("volume"),
-  queryFn: ({ signal }) =>
-    body(
-      api.GET("/v1/assets", {
-        params: { query: { kind: "volume", limit: 100 } },
-        signal,
-      }),
-    ),
-});
+export const assetsQuery = (kind: Asset["kind"]) =>
+  queryOptions({
+    queryKey: keys.assets(kind),
+    queryFn: ({ signal }) => body(api.GET("/v1/assets", { params: { query: { kind, limit: 100 } }, signal })),
+  });
+
+export const volumesQuery = assetsQuery("volume");
 
 export const assetQuery = (id: string) =>
   queryOptions({

@@ -10,6 +10,13 @@ export type JobEvent = Schemas["JobEvent"];
 export type JobCreate = Schemas["JobCreate"];
 export type Artifact = Schemas["ArtifactView"];
 export type JobKind = Schemas["JobKindView"];
+export type Batch = Schemas["BatchView"];
+export type BatchCreate = Schemas["BatchCreate"];
+export type BatchItem = Schemas["BatchItem"];
+export type Key = Schemas["KeyView"];
+export type Scope = Schemas["Scope"];
+export type Readiness = Schemas["ReadyView"];
+export type Usage = Schemas["UsageView"];
 export type ServerInfo = Schemas["ServerInfo"];
 
 export const JOB_STATES = [

@@ -11,7 +11,7 @@ import {
 } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { Link, Outlet } from "@tanstack/react-router";
-import { KeyRound, ListChecks, LogOut, Moon, Sun, Upload, WifiOff } from "lucide-react";
+import { KeyRound, Layers, ListChecks, LogOut, Moon, Settings, Sun, Upload, WifiOff } from "lucide-react";
 import { connection } from "@/api/connection";
 import { infoQuery } from "@/api/queries";
 import { session, signOut } from "@/api/session";
@@ -24,6 +24,7 @@ import { useStore } from "./store";
 const PAGES = [
   { to: "/upload", label: "Upload", icon: Upload },
   { to: "/jobs", label: "Jobs", icon: ListChecks },
+  { to: "/batches", label: "Batches", icon: Layers },
 ] as const;
 
 export function Shell() {
@@ -52,6 +53,7 @@ export function Shell() {
           <Group gap="xs" wrap="nowrap">
             <UploadSummary />
             {key && <KeyMenu />}
+            <SettingsLink />
             <ThemeToggle />
           </Group>
         </Group>
@@ -71,6 +73,21 @@ function Silence() {
     <Alert color="orange" variant="light" icon={<WifiOff size={18} />} className={classes.silence ?? ""} role="status">
       The server does not answer. What is shown may be out of date; uploads go on as soon as it is back.
     </Alert>
+  );
+}
+
+function SettingsLink() {
+  return (
+    <Tooltip label="Keys and settings">
+      <Link
+        to="/settings"
+        className={classes.icon}
+        aria-label="Keys and settings"
+        activeProps={{ "data-active": true }}
+      >
+        <Settings size={18} aria-hidden="true" />
+      </Link>
+    </Tooltip>
   );
 }
 

@@ -1,5 +1,5 @@
 import { Text } from "@mantine/core";
-import { createRootRoute, createRoute, createRouter, lazyRouteComponent, redirect } from "@tanstack/react-router";
+import { createRootRoute, createRoute, createRouter, lazyRouteComponent } from "@tanstack/react-router";
 import { Compass } from "lucide-react";
 import { JOB_STATES, type JobState } from "@/api/types";
 import { LinkButton } from "./links";
@@ -15,8 +15,8 @@ const root = createRootRoute({
         <Text c="dimmed" size="sm">
           The address may be mistyped, or the page has moved.
         </Text>
-        <LinkButton to="/jobs" variant="default" mt="sm">
-          To the jobs
+        <LinkButton to="/" variant="default" mt="sm">
+          To the start
         </LinkButton>
       </Empty>
     </Page>
@@ -26,7 +26,7 @@ const root = createRootRoute({
 const start = createRoute({
   getParentRoute: () => root,
   path: "/",
-  beforeLoad: () => redirect({ to: "/jobs", throw: true }),
+  component: lazyRouteComponent(() => import("@/features/home/HomePage"), "HomePage"),
 });
 
 export interface JobsSearch {
@@ -60,8 +60,43 @@ export const uploadRoute = createRoute({
   component: lazyRouteComponent(() => import("@/features/uploads/UploadPage"), "UploadPage"),
 });
 
+const batchesRoute = createRoute({
+  getParentRoute: () => root,
+  path: "/batches",
+  validateSearch: (search: Record<string, unknown>): { cursor?: string } =>
+    typeof search.cursor === "string" ? { cursor: search.cursor } : {},
+  component: lazyRouteComponent(() => import("@/features/batches/BatchesPage"), "BatchesPage"),
+});
+
+const newBatchRoute = createRoute({
+  getParentRoute: () => root,
+  path: "/batches/new",
+  component: lazyRouteComponent(() => import("@/features/batches/NewBatchPage"), "NewBatchPage"),
+});
+
+const batchRoute = createRoute({
+  getParentRoute: () => root,
+  path: "/batches/$batchId",
+  component: lazyRouteComponent(() => import("@/features/batches/BatchPage"), "BatchPage"),
+});
+
+const settingsRoute = createRoute({
+  getParentRoute: () => root,
+  path: "/settings",
+  component: lazyRouteComponent(() => import("@/features/settings/SettingsPage"), "SettingsPage"),
+});
+
 export const router = createRouter({
-  routeTree: root.addChildren([start, jobsRoute, jobRoute, uploadRoute]),
+  routeTree: root.addChildren([
+    start,
+    jobsRoute,
+    jobRoute,
+    uploadRoute,
+    batchesRoute,
+    newBatchRoute,
+    batchRoute,
+    settingsRoute,
+  ]),
   defaultPreload: "intent",
   scrollRestoration: true,
   defaultPendingComponent: () => <Waiting label="Loading…" />,

@@ -101,3 +101,8 @@ export function anatomical([x, y, z]: readonly [number, number, number]): string
     `${value >= 0 ? plus : minus}${SPACE}${Math.abs(value).toFixed(1)}`;
   return [part(x, "R", "L"), part(y, "A", "P"), part(z, "S", "I")].join("   ");
 }
+
+/** "queued" → "Queued". */
+export function capital(word: string): string {
+  return word.charAt(0).toUpperCase() + word.slice(1);
+}

@@ -12,6 +12,8 @@ import { Empty, Failure, Waiting } from "@/app/Notice";
 import { Page } from "@/app/Page";
 import { useNow } from "@/app/useNow";
 import { isSegmentationResult } from "@/features/segmentation/params";
+import { AsCode } from "@/features/snippets/AsCode";
+import { resultSnippets } from "@/features/snippets/snippets";
 import { ago, duration, moment, percent, relative } from "@/format/format";
 import { JobActions } from "./JobActions";
 import { JobFacts } from "./JobFacts";
@@ -177,6 +179,7 @@ function Body({ job, assets }: { job: Job; assets: ReadonlyMap<string, Asset> })
               <>
                 <StageTimes stages={job.result.stages} />
                 <JobFacts job={job} assets={assets} />
+                <AsCode title="Fetch this as code" of={(target) => resultSnippets(job, target)} />
               </>
             }
           />

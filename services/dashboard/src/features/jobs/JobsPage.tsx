@@ -1,20 +1,17 @@
-import { Box, Button, Group, Progress, SegmentedControl, Select, Table, Text } from "@mantine/core";
+import { Button, Group, SegmentedControl, Select, Text } from "@mantine/core";
 import { keepPreviousData, useQuery } from "@tanstack/react-query";
 import { getRouteApi, useNavigate } from "@tanstack/react-router";
 import { ArrowLeft, ArrowRight, ListChecks, Upload } from "lucide-react";
 import { useState } from "react";
 import { jobsQuery, useAssetNames } from "@/api/queries";
-import { type Asset, isTerminal, JOB_STATES, type Job, type JobState } from "@/api/types";
+import { isTerminal, JOB_STATES, type JobState } from "@/api/types";
 import { useLiveJobs } from "@/api/useLiveJobs";
-import { LinkAnchor, LinkButton } from "@/app/links";
+import { LinkButton } from "@/app/links";
 import { Empty, Failure, Waiting } from "@/app/Notice";
 import { Page } from "@/app/Page";
-import { useNow } from "@/app/useNow";
-import { ago, duration, moment, percent } from "@/format/format";
-import { JobActions } from "./JobActions";
-import classes from "./jobs.module.css";
-import { jobName, mainInput, outcome } from "./naming";
-import { StateBadge } from "./StateBadge";
+import { capital } from "@/format/format";
+import { JobTable } from "./JobTable";
+import { mainInput } from "./naming";
 
 /** A browser opens six connections to a host: two may stay open for events, the rest is for everything else. */
 const STREAMS = 2;
@@ -126,10 +123,6 @@ export function JobsPage() {
   );
 }
 
-function capital(word: string): string {
-  return word.charAt(0).toUpperCase() + word.slice(1);
-}
-
 function NoJobs({ filtered, paged }: { filtered: boolean; paged: boolean }) {
   if (filtered || paged) {
     return (
@@ -150,131 +143,5 @@ function NoJobs({ filtered, paged }: { filtered: boolean; paged: boolean }) {
         Upload a volume
       </LinkButton>
     </Empty>
-  );
-}
-
-interface JobTableProps {
-  jobs: readonly Job[];
-  assets: ReadonlyMap<string, Asset>;
-  /** Whether these are still those of the page or filter before. */
-  stale: boolean;
-}
-
-function JobTable({ jobs, assets, stale }: JobTableProps) {
-  const now = useNow(jobs.some((job) => !isTerminal(job.state)) ? 1_000 : 30_000);
-  return (
-    <Box className={classes.frame} aria-busy={stale}>
-      <Table highlightOnHover verticalSpacing="sm" horizontalSpacing="md" className={classes.table ?? ""}>
-        <Table.Thead>
-          <Table.Tr>
-            <Table.Th>Job</Table.Th>
-            <Table.Th w={130}>State</Table.Th>
-            <Table.Th w="36%">Progress and outcome</Table.Th>
-            <Table.Th w={116} visibleFrom="md">
-              Took
-            </Table.Th>
-            <Table.Th w={120} visibleFrom="sm">
-              Created
-            </Table.Th>
-            <Table.Th w={110}>
-              <span className={classes.unseen}>Actions</span>
-            </Table.Th>
-          </Table.Tr>
-        </Table.Thead>
-        <Table.Tbody>
-          {jobs.map((job) => (
-            <JobRow key={job.id} job={job} name={jobName(job, assets)} now={now} />
-          ))}
-        </Table.Tbody>
-      </Table>
-    </Box>
-  );
-}
-
-function JobRow({ job, name, now }: { job: Job; name: string; now: number }) {
-  const ended = job.finished_at ? Date.parse(job.finished_at) : now;
-  return (
-    <Table.Tr data-job={job.id} className={classes.row ?? ""}>
-      <Table.Td>
-        <LinkAnchor
-          to="/jobs/$jobId"
-          params={{ jobId: job.id }}
-          fw={600}
-          c="var(--mantine-color-text)"
-          className={classes.name ?? ""}
-          title={name}
-        >
-          {name}
-        </LinkAnchor>
-        <Text size="xs" c="dimmed">
-          {capital(job.kind)}
-          {job.attempt > 1 ? ` · attempt ${job.attempt}` : ""}
-        </Text>
-      </Table.Td>
-      <Table.Td>
-        <StateBadge state={job.state} />
-      </Table.Td>
-      <Table.Td>
-        <Outcome job={job} name={name} />
-      </Table.Td>
-      <Table.Td visibleFrom="md">
-        <Text size="sm">{job.started_at ? duration((ended - Date.parse(job.started_at)) / 1000) : "–"}</Text>
-      </Table.Td>
-      <Table.Td visibleFrom="sm">
-        <Text size="sm" c="dimmed" title={moment(job.created_at)}>
-          {ago(job.created_at, now)}
-        </Text>
-      </Table.Td>
-      <Table.Td ta="right">
-        <JobActions job={job} name={name} compact />
-      </Table.Td>
-    </Table.Tr>
-  );
-}
-
-function Outcome({ job, name }: { job: Job; name: string }) {
-  if (job.error) {
-    return (
-      <>
-        <Text size="sm">{job.error.message}</Text>
-        {job.error.hint && (
-          <Text size="xs" c="dimmed">
-            {job.error.hint}
-          </Text>
-        )}
-      </>
-    );
-  }
-  if (job.state === "running" || job.state === "cancelling") {
-    return (
-      <>
-        <Group justify="space-between" gap="xs" wrap="nowrap">
-          <Text size="sm" truncate>
-            {job.stage ? capital(job.stage) : "Starting"}
-            {job.message ? (
-              <Text span size="sm" c="dimmed">
-                {" "}
-                · {job.message}
-              </Text>
-            ) : null}
-          </Text>
-          <Text size="sm" c="dimmed">
-            {percent(job.fraction)}
-          </Text>
-        </Group>
-        <Progress
-          value={job.fraction * 100}
-          size={5}
-          mt={5}
-          aria-label={`${name}: ${percent(job.fraction)}`}
-          transitionDuration={200}
-        />
-      </>
-    );
-  }
-  return (
-    <Text size="sm" c={job.expired || job.state !== "succeeded" ? "dimmed" : undefined}>
-      {job.state === "queued" ? "Waiting for a worker" : outcome(job)}
-    </Text>
   );
 }

@@ -1,6 +1,7 @@
 import { Button, Group, Stack, Text, Title } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { infoQuery } from "@/api/queries";
+import { LinkButton } from "@/app/links";
 import { Page } from "@/app/Page";
 import { say, sayFailure } from "@/app/say";
 import { useStore } from "@/app/store";
@@ -51,9 +52,16 @@ export function UploadPage() {
                 )}
               </Group>
               <UploadList items={items} />
-              <Text size="xs" c="dimmed" mt="xs">
-                Uploads go on while you look at other pages.
-              </Text>
+              <Group justify="space-between" mt="xs">
+                <Text size="xs" c="dimmed">
+                  Uploads go on while you look at other pages.
+                </Text>
+                {recent.length > 2 && (
+                  <LinkButton to="/batches/new" size="compact-sm" variant="light">
+                    Segment these as a batch
+                  </LinkButton>
+                )}
+              </Group>
             </section>
           )}
           <VolumeShelf except={recent} />

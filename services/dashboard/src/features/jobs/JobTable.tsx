@@ -1,0 +1,136 @@
+import { Box, Group, Progress, Table, Text } from "@mantine/core";
+import { type Asset, isTerminal, type Job } from "@/api/types";
+import { LinkAnchor } from "@/app/links";
+import { useNow } from "@/app/useNow";
+import { ago, capital, duration, moment, percent } from "@/format/format";
+import { JobActions } from "./JobActions";
+import classes from "./jobs.module.css";
+import { jobName, outcome } from "./naming";
+import { StateBadge } from "./StateBadge";
+
+interface JobTableProps {
+  jobs: readonly Job[];
+  assets: ReadonlyMap<string, Asset>;
+  /** Whether these are still those of the page or filter before. */
+  stale: boolean;
+}
+
+/** Jobs, one a row, with how they are now. */
+export function JobTable({ jobs, assets, stale }: JobTableProps) {
+  const now = useNow(jobs.some((job) => !isTerminal(job.state)) ? 1_000 : 30_000);
+  return (
+    <Box className={classes.frame} aria-busy={stale}>
+      <Table highlightOnHover verticalSpacing="sm" horizontalSpacing="md" className={classes.table ?? ""}>
+        <Table.Thead>
+          <Table.Tr>
+            <Table.Th>Job</Table.Th>
+            <Table.Th w={130}>State</Table.Th>
+            <Table.Th w="36%">Progress and outcome</Table.Th>
+            <Table.Th w={116} visibleFrom="md">
+              Took
+            </Table.Th>
+            <Table.Th w={150} visibleFrom="sm">
+              Created
+            </Table.Th>
+            <Table.Th w={110}>
+              <span className={classes.unseen}>Actions</span>
+            </Table.Th>
+          </Table.Tr>
+        </Table.Thead>
+        <Table.Tbody>
+          {jobs.map((job) => (
+            <JobRow key={job.id} job={job} name={jobName(job, assets)} now={now} />
+          ))}
+        </Table.Tbody>
+      </Table>
+    </Box>
+  );
+}
+
+function JobRow({ job, name, now }: { job: Job; name: string; now: number }) {
+  const ended = job.finished_at ? Date.parse(job.finished_at) : now;
+  return (
+    <Table.Tr data-job={job.id} className={classes.row ?? ""}>
+      <Table.Td>
+        <LinkAnchor
+          to="/jobs/$jobId"
+          params={{ jobId: job.id }}
+          fw={600}
+          c="var(--mantine-color-text)"
+          className={classes.name ?? ""}
+          title={name}
+        >
+          {name}
+        </LinkAnchor>
+        <Text size="xs" c="dimmed">
+          {capital(job.kind)}
+          {job.attempt > 1 ? ` · attempt ${job.attempt}` : ""}
+        </Text>
+      </Table.Td>
+      <Table.Td>
+        <StateBadge state={job.state} />
+      </Table.Td>
+      <Table.Td>
+        <Outcome job={job} name={name} />
+      </Table.Td>
+      <Table.Td visibleFrom="md">
+        <Text size="sm">{job.started_at ? duration((ended - Date.parse(job.started_at)) / 1000) : "–"}</Text>
+      </Table.Td>
+      <Table.Td visibleFrom="sm">
+        <Text size="sm" c="dimmed" title={moment(job.created_at)}>
+          {ago(job.created_at, now)}
+        </Text>
+      </Table.Td>
+      <Table.Td ta="right">
+        <JobActions job={job} name={name} compact />
+      </Table.Td>
+    </Table.Tr>
+  );
+}
+
+function Outcome({ job, name }: { job: Job; name: string }) {
+  if (job.error) {
+    return (
+      <>
+        <Text size="sm">{job.error.message}</Text>
+        {job.error.hint && (
+          <Text size="xs" c="dimmed">
+            {job.error.hint}
+          </Text>
+        )}
+      </>
+    );
+  }
+  if (job.state === "running" || job.state === "cancelling") {
+    return (
+      <>
+        <Group justify="space-between" gap="xs" wrap="nowrap">
+          <Text size="sm" truncate>
+            {job.stage ? capital(job.stage) : "Starting"}
+            {job.message ? (
+              <Text span size="sm" c="dimmed">
+                {" "}
+                · {job.message}
+              </Text>
+            ) : null}
+          </Text>
+          <Text size="sm" c="dimmed">
+            {percent(job.fraction)}
+          </Text>
+        </Group>
+        <Progress
+          value={job.fraction * 100}
+          size={5}
+          mt={5}
+          aria-label={`${name}: ${percent(job.fraction)}`}
+          transitionDuration={200}
+        />
+      </>
+    );
+  }
+  return (
+    <Text size="sm" c={job.expired || job.state !== "succeeded" ? "dimmed" : undefined}>
+      {job.state === "queued" ? "Waiting for a worker" : outcome(job)}
+    </Text>
+  );
+}
