@@ -23,13 +23,12 @@ def test_a_batch_is_followed_and_what_failed_runs_again(open_page: OpenPage, api
     page.get_by_text("3 of 3 done, 1 failed").wait_for()
     bar = page.get_by_role("progressbar", name="3 of 3 done")
     assert (bar.get_attribute("aria-valuenow"), bar.get_attribute("aria-valuemax")) == ("3", "3")
-    # What failed is shown alone at first.
-    page.wait_for_function("document.querySelectorAll('tr[data-job]').length === 1")
+    page.locator("tr[data-job]").nth(1).wait_for(state="detached")  # what failed is shown alone at first
     page.locator("tr[data-job] [data-state=failed]").wait_for()
     page.get_by_role("button", name="Retry the failed one").click()
     page.get_by_text("3 of 3 done", exact=True).wait_for()
     page.get_by_text("All 3", exact=True).click()
-    page.wait_for_function("document.querySelectorAll('tr[data-job] [data-state=succeeded]').length === 3")
+    page.locator("tr[data-job] [data-state=succeeded]").nth(2).wait_for()
 
 
 def test_a_batch_is_made_by_picking_volumes(open_page: OpenPage, api: httpx.Client) -> None:
