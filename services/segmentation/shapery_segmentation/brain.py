@@ -36,6 +36,9 @@ CONSTANT_SHARE = 0.95
 LEAST_BRAIN = 50e3
 """mm³ of brain without which nothing can be judged (an adult's has 1.1 to 1.6 million)."""
 
+HEIGHT = 150.0
+"""mm below the vertex at which no brain is left."""
+
 UNDER_SKULL = 15.0
 """mm below the skin: scalp and skull are not as thick."""
 
@@ -214,8 +217,12 @@ def _strip(image: NDArray[np.float32], foreground: BoolArray) -> BoolArray:
     labels, count = ndimage.label(seed)
     if count == 0:
         return np.zeros_like(foreground)
-    # The part with the most depth, not the most voxels: muscles of the neck are large, but near the skin.
-    weight = ndimage.sum_labels(np.where(seed, depth, 0.0), labels, np.arange(1, count + 1))
+    # The part with the most depth, not the most voxels, and near the vertex: the muscles of face and neck are large,
+    # but near the skin and far below. The grid's last axis is the one nearest to superior.
+    top = int(np.flatnonzero(head.any(axis=(0, 1)))[-1])
+    below = (top - np.arange(head.shape[2])) * COARSE
+    height = np.clip(1.0 - below / HEIGHT, 0.0, 1.0)
+    weight = ndimage.sum_labels(np.where(seed, depth * height, 0.0), labels, np.arange(1, count + 1))
     core = labels == int(np.argmax(weight)) + 1
     # Step by step through tissue: a ball of the same reach would jump the skull.
     for _ in range(REGROWN):

@@ -49,8 +49,19 @@ def _axis_separates(p, q, d, gap):
 
 
 @inner
+def _boxes_apart(p, q, gap):
+    """Return whether the bounding boxes of two triangles lie more than `gap` apart along an axis."""
+    for k in range(3):
+        if max(p[0][k], p[1][k], p[2][k]) + gap < min(q[0][k], q[1][k], q[2][k]):
+            return True
+        if max(q[0][k], q[1][k], q[2][k]) + gap < min(p[0][k], p[1][k], p[2][k]):
+            return True
+    return False
+
+
+@inner
 def _separated_apart(p, q, gap):
-    """Return whether triangles without a common corner are separated by a plane along two edges, or across a face.
+    """Return whether triangles without a common corner are separated by a plane across a face, or along two edges.
 
     With the planes of the two faces, which the caller has tried, these are all the directions that the separating axis
     theorem asks for.
@@ -59,19 +70,20 @@ def _separated_apart(p, q, gap):
     o = p[0]
     p = ((0.0, 0.0, 0.0), subtract(p[1], o), subtract(p[2], o))
     q = (subtract(q[0], o), subtract(q[1], o), subtract(q[2], o))
-    for i in range(3):
-        e = subtract(p[(i + 1) % 3], p[i])
-        for j in range(3):
-            f = subtract(q[(j + 1) % 3], q[j])
-            d = cross(e, f)
-            if dot(d, d) > PARALLEL * dot(e, e) * dot(f, f) and _axis_separates(p, q, d, gap):
-                return True
+    # Faces of one plane, the most frequent case, are told apart by the first kind.
     for turn in range(2):
         t = p if turn == 0 else q
         n = cross(subtract(t[1], t[0]), subtract(t[2], t[0]))
         for i in range(3):
             d = cross(n, subtract(t[(i + 1) % 3], t[i]))
             if dot(d, d) > 0.0 and _axis_separates(p, q, d, gap):
+                return True
+    for i in range(3):
+        e = subtract(p[(i + 1) % 3], p[i])
+        for j in range(3):
+            f = subtract(q[(j + 1) % 3], q[j])
+            d = cross(e, f)
+            if dot(d, d) > PARALLEL * dot(e, e) * dot(f, f) and _axis_separates(p, q, d, gap):
                 return True
     return False
 
@@ -193,7 +205,7 @@ def touching(ia, p, na, ib, q, nb, gap):
                 a += i
                 b += j
     if shared == 0:
-        if _one_side(na, p[0], q, -1, gap) or _one_side(nb, q[0], p, -1, gap):
+        if _boxes_apart(p, q, gap) or _one_side(na, p[0], q, -1, gap) or _one_side(nb, q[0], p, -1, gap):
             return False
         return not _separated_apart(p, q, gap)
     if shared == 1:

@@ -192,11 +192,12 @@ def _patch_touches(m, size, g, gap):
     c = (np.float64(m.facets[g, 0]), np.float64(m.facets[g, 1]), np.float64(m.facets[g, 2]))
     radius = m.facets[g, RADIUS] + gap
     for row in range(size):
+        d = subtract(c, (m.patch[row, 12], m.patch[row, 13], m.patch[row, 14]))
+        near = radius + m.patch[row, 15]
+        if dot(d, d) > near * near:
+            continue
         ids, p, n = _patch_face(m.patch_ids, m.patch, row)
-        # The face lies within its longest edge from its first corner.
-        u, v, d = subtract(p[1], p[0]), subtract(p[2], p[0]), subtract(c, p[0])
-        far = np.sqrt(max(dot(u, u), dot(v, v))) + radius
-        if dot(d, d) > far * far or _apart_at_once(m, ids, p, n, g, gap):
+        if _apart_at_once(m, ids, p, n, g, gap):
             continue
         other = corners(m, g)
         q = (point(m, other[0]), point(m, other[1]), point(m, other[2]))

@@ -142,8 +142,18 @@ def stage_face(m, row, ids, p):
     n = cross(u, v)
     length = np.sqrt(dot(n, n))
     inverse = 1.0 / length if length > 0.0 else 0.0
-    for axis in range(3):
-        m.patch[row, 9 + axis] = n[axis] * inverse
+    radius = 0.0
+    center = (
+        (p[0][0] + p[1][0] + p[2][0]) / 3.0,
+        (p[0][1] + p[1][1] + p[2][1]) / 3.0,
+        (p[0][2] + p[1][2] + p[2][2]) / 3.0,
+    )
+    for k in range(3):
+        d = subtract(p[k], center)
+        radius = max(radius, dot(d, d))
+        m.patch[row, 9 + k] = n[k] * inverse
+        m.patch[row, 12 + k] = center[k]
+    m.patch[row, 15] = np.sqrt(radius)
     sides = dot(u, u) + dot(v, v) + dot(w, w)
     return 2.0 * np.sqrt(3.0) * length / sides if sides > 0.0 else 0.0
 

@@ -94,8 +94,8 @@ class MeshArrays(NamedTuple):
         shifts that combine the first two.
     bound : (3,) float64
         1/cell size, largest face radius, clearance that faces without a common vertex keep (mm).
-    patch : (24, 12) float64
-        Faces that an operation wants to put in: three corners and the unit normal.
+    patch : (24, 16) float64
+        Faces that an operation wants to put in: three corners, the unit normal, centroid and radius about it.
     patch_ids : (24, 3) int32
         Their vertices.
     """
@@ -126,7 +126,7 @@ def allocate(vertex_slots: int, face_slots: int) -> MeshArrays:
         head=np.full(1, -1, dtype=np.int32),
         layout=np.zeros(LAYOUT_ENTRIES, dtype=np.int64),
         bound=np.ones(BOUND_ENTRIES),
-        patch=np.zeros((LARGEST_STAR, 12)),
+        patch=np.zeros((LARGEST_STAR, 16)),
         patch_ids=np.zeros((LARGEST_STAR, 3), dtype=np.int32),
     )
     arrays.points[:, SCALE] = 1.0
