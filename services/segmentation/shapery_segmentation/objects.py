@@ -25,10 +25,11 @@ FloatArray = NDArray[np.float32]
 BoolArray = NDArray[np.bool_]
 
 FINAL_EDGE = 1.0
-"""mm: length of the final mesh's edges by default. On the way 1.5 times as long, which moves in fewer, larger steps."""
+"""mm: length of the final mesh's edges by default. On the way longer, which moves in fewer, larger steps."""
 
-COARSE_EDGE = 1.5
-"""Length of the edges while the surface is still on its way, relative to the final ones."""
+COARSE_EDGE, THIN_EDGE = 2.0, 1.5
+"""Length of the edges while the surface is still on its way, relative to the final ones: where voxels of twice the size
+can hold the region, and where it is too thin for that."""
 
 HALF_CONFIDENCE_MM3 = 400.0
 """Evidence (mm³ weighted by it) at which a compact object is as likely a tumor as not. On cases with expert labels,
@@ -163,6 +164,49 @@ def _judge(candidate: Candidate, region: Region, weight: FloatArray, brain: Brai
     return _confidence(evidence * float(compact) * share, calibration)
 
 
+@dataclass(frozen=True, eq=False)
+class FlowStart:
+    """What `normal_flow` takes to recover one object, and the point that its seed was grown from (RAS mm)."""
+
+    field: FloatArray
+    allowed: BoolArray
+    affine: NDArray[np.float64]
+    seed: TriangleMesh
+    threshold: float
+    params: NormalFlowParams
+    point: NDArray[np.float64]
+
+
+def flow_start(brain: Brain, calibration: Calibration, region: Region, params: SegmentationParams) -> FlowStart:
+    """Return what the flow of a region starts from.
+
+    Parameters
+    ----------
+    brain, calibration
+        Working grid and calibrated difference.
+    region
+        What a candidate reaches.
+    params
+        Of these `edge_length`, `smoothing` and `topology`.
+    """
+    affine = brain.grid.affine.copy()
+    affine[:3, 3] += affine[:3, :3] @ [s.start for s in region.box]
+    ball, to_ball, start = seed_ball(region.inside, affine)
+    edge = params.edge_length if params.edge_length is not None else max(FINAL_EDGE, brain.grid.spacing)
+    coarse = THIN_EDGE if np.array_equal(to_ball, affine) else COARSE_EDGE
+    return FlowStart(
+        field=np.ascontiguousarray(calibration.field[region.box]),
+        allowed=region.allowed,
+        affine=affine,
+        seed=surface_of(ball, to_ball),
+        threshold=region.threshold,
+        params=NormalFlowParams(
+            edge_lengths=(coarse * edge, edge), curvature_weight=params.smoothing, topology=params.topology
+        ),
+        point=to_ball[:3, :3] @ start + to_ball[:3, 3],
+    )
+
+
 def _recover_one(
     brain: Brain,
     calibration: Calibration,
@@ -172,31 +216,26 @@ def _recover_one(
     params: SegmentationParams,
     check_cancelled: Callable[[], None],
 ) -> Recovered | None:
-    grid = brain.grid
-    affine = grid.affine.copy()
-    affine[:3, 3] += affine[:3, :3] @ [s.start for s in region.box]
-    values = np.ascontiguousarray(calibration.field[region.box])
-    ball, to_ball, start = seed_ball(region.inside, affine)
-    edge = params.edge_length if params.edge_length is not None else max(FINAL_EDGE, grid.spacing)
+    start = flow_start(brain, calibration, region, params)
 
     def on_iteration(*_: object) -> None:
         check_cancelled()
 
     flow = normal_flow(
-        values,
-        region.allowed,
-        affine,
-        surface_of(ball, to_ball),
-        NormalFlowParams(edge_lengths=(COARSE_EDGE * edge, edge), curvature_weight=params.smoothing),
-        threshold=region.threshold,
+        start.field,
+        start.allowed,
+        start.affine,
+        start.seed,
+        start.params,
+        threshold=start.threshold,
         on_iteration=on_iteration,
     )
     check_cancelled()
     if flow.vanished:
         return None
-    inside, enclosed = _voxels(brain, region, affine, values, flow.mesh, flow.threshold)
+    inside, enclosed = _voxels(brain, region, start, flow.mesh, flow.threshold)
     return Recovered(
-        seed=to_ball[:3, :3] @ start + to_ball[:3, 3],
+        seed=start.point,
         seeded_by=candidate.seeded_by,
         confidence=confidence,
         surface=flow.mesh,
@@ -211,15 +250,14 @@ def _recover_one(
 def _voxels(
     brain: Brain,
     region: Region,
-    affine: NDArray[np.float64],
-    values: FloatArray,
+    start: FlowStart,
     surface: TriangleMesh,
     threshold: float,
 ) -> tuple[BoolArray, BoolArray]:
     """Return the voxels of the enhancing part and those it encloses, on the grid that was given."""
     grid = brain.grid
-    inside = rasterize(surface, Volume(values, affine))
-    whole = close_seam(inside, (values > threshold) & region.allowed, grid.spacing)
+    inside = rasterize(surface, Volume(start.field, start.affine))
+    whole = close_seam(inside, (start.field > threshold) & region.allowed, grid.spacing)
     core = fill_enclosed(whole, grid.spacing) & brain.mask[region.box]
 
     def given(mask: BoolArray) -> BoolArray:

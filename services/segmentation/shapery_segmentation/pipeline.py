@@ -129,9 +129,6 @@ def segment(
         warnings += [*pre.warnings, *check_overlap(pre, post)]
     check_points(params.seeds, post)
 
-    if params.topology == "adaptive":
-        warnings.append("Surfaces keep the genus of their seed: adaptive topology is not available yet.")
-
     with run.stage("calibrate"):
         brain = find_brain(pre if pre is not None else post, post)
         run.check()

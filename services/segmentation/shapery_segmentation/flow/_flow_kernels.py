@@ -27,7 +27,8 @@ SIGN = 2  # direction of the last step
 AGE = 3  # steps since the window began
 BLOCKED = 4  # steps in a row that an obstacle forbade
 WISH = 5  # what would help a blocked vertex
-COUNTER_COLUMNS = 6
+TRIES = 6  # geometric interpolations that have not brought it to rest
+COUNTER_COLUMNS = 7
 
 # Values of MODE.
 AWAKE = 0
@@ -39,6 +40,7 @@ FROZEN = 3
 NONE = 0
 REFINE = 1
 COLLAPSE = 2
+MEET = 3
 
 # Speed models.
 THRESHOLD = 0
@@ -51,6 +53,9 @@ BEHIND = 2
 
 STEADY = 4
 """Steps without a change of direction after which the changes before no longer count as consecutive."""
+
+OSCILLATING = 2
+"""Changes of direction in a row from which a vertex counts as oscillating."""
 
 LARGEST_STEP = 0.5
 """Edge lengths that a vertex moves along its normal at the most."""
@@ -73,6 +78,7 @@ class Dials(NamedTuple):
     rear: float
     opposed: float
     rear_opposed: float
+    damping: float
     aging: int
     patience: int
     window: int
@@ -156,13 +162,14 @@ def _wish(field, inverse, allowed, inverse_allowed, dials, side, here, c, n):
     """Return what would help a vertex at `here` that a face around `c` blocks.
 
     What matters is what lies half-way. Ahead it is a gap: if nothing of the object is there, it is a small feature that
-    finer triangles can follow; else two fronts meet inside the object, and rest. Behind it is a part of the surface's
-    inside: if that is object, it is thin and wants finer triangles; else it should go, and does by collapsing.
+    finer triangles can follow; else two fronts meet inside the object, and rest, or merge
+    where that is allowed. Behind it is a part of the surface's inside: if that is object, it is thin and wants finer
+    triangles; else it should go, and does by collapsing.
     """
     middle = (0.5 * (here[0] + c[0]), 0.5 * (here[1] + c[1]), 0.5 * (here[2] + c[2]))
     there = speed_at(field, inverse, allowed, inverse_allowed, dials, middle, n)
     if side == AHEAD:
-        return REFINE if there < 0.0 else NONE
+        return REFINE if there < 0.0 else MEET
     return REFINE if there > 0.0 else COLLAPSE
 
 
@@ -267,7 +274,7 @@ def propose(
     ----------
     m, start, spheres, names
         Mesh and its faces sorted by cell.
-    state, counter : (V, 6) float64, (V, 6) int32
+    state, counter : (V, 6) float64, (V, 7) int32
     field, allowed : (I, J, K) float32, uint8
         `allowed` may be empty: everything is.
     inverse, inverse_allowed : (3, 4) float64
@@ -299,7 +306,7 @@ def propose(
         if counter[v, SIGN] != 0 and sign * counter[v, SIGN] < 0:
             counter[v, FLIPS] += 1
             counter[v, SIGN] = sign
-            state[v, GAIN] *= 0.5
+            state[v, GAIN] *= dials.damping
             if counter[v, FLIPS] >= dials.aging:
                 counter[v, MODE] = AGED
                 p = _place_of_rest(state, v, here, speed, field, inverse, allowed, inverse_allowed, dials, n)
@@ -367,8 +374,8 @@ def settle(m, state, counter, moved, batch, movers, dials):
 
     Returns
     -------
-    int
-        Vertices awake now.
+    awake, oscillating : int
+        Vertices awake now, and those among them that change their direction again and again.
     """
     for i in range(movers.shape[0]):
         v = movers[i]
@@ -382,6 +389,7 @@ def settle(m, state, counter, moved, batch, movers, dials):
             if counter[v, BLOCKED] >= dials.patience and counter[v, MODE] == AWAKE:
                 counter[v, MODE] = FROZEN
     awake = 0
+    oscillating = 0
     for v in range(m.layout[VERTEX_TOP]):
         if m.vertices[v, OUT] < 0 or counter[v, MODE] != AWAKE:
             continue
@@ -398,11 +406,60 @@ def settle(m, state, counter, moved, batch, movers, dials):
                         break
             counter[v, AGE] = 0
             state[v, NET] = 0.0
-            if net < dials.rest * local:
+            # One that is kept from moving is not at rest: it will be frozen, and its wish heard.
+            if net < dials.rest * local and counter[v, BLOCKED] == 0:
                 counter[v, MODE] = ASLEEP
                 continue
         awake += 1
-    return awake
+        oscillating += counter[v, FLIPS] >= OSCILLATING
+    return awake, oscillating
+
+
+@kernel
+def steepest_points(m, field, inverse, names, half, reach, target, strength):
+    """Find where along the normals of vertices the field changes most.
+
+    Parameters
+    ----------
+    m : MeshArrays
+    field, inverse
+        As in `propose`.
+    names : (n,) int32
+        The vertices.
+    half : float
+        Half the way in mm over which the change is taken.
+    reach : float
+        How far in mm to look to either side; 0: at the vertex itself only.
+    target : (V, 3) float64
+        Receives the places.
+    strength : (n,) float64
+        Receives the changes there; 0 where the field is not known.
+    """
+    steps = SAMPLES if reach > 0.0 else 0
+    for i in range(names.shape[0]):
+        v = np.int64(names[i])
+        n, _, _ = _surround(m, v)
+        here = point(m, v)
+        strength[i] = 0.0
+        for axis in range(3):
+            target[v, axis] = here[axis]
+        # From the vertex outwards to both sides, so that of equal ones the nearest is taken.
+        for step in range(2 * steps + 1):
+            t = reach * ((step + 1) // 2) / max(steps, 1) * (1.0 if step % 2 else -1.0)
+            a, known_a = sample(
+                field,
+                inverse,
+                (here[0] + (t + half) * n[0], here[1] + (t + half) * n[1], here[2] + (t + half) * n[2]),
+            )
+            b, known_b = sample(
+                field,
+                inverse,
+                (here[0] + (t - half) * n[0], here[1] + (t - half) * n[1], here[2] + (t - half) * n[2]),
+            )
+            if known_a and known_b and abs(a - b) > strength[i]:
+                strength[i] = abs(a - b)
+                for axis in range(3):
+                    target[v, axis] = here[axis] + t * n[axis]
 
 
 @kernel
@@ -420,22 +477,25 @@ def answer_wishes(m, state, counter, dials, may_refine, may_collapse, collapse):
 
     Returns
     -------
-    refined, collapsing : int
-        Wishes that are answered.
+    refined, collapsing, pinched : int
+        Wishes that are answered of either kind, and those for a change of topology, which is not made here: fronts that
+        meet inside the object, and thin pieces that are not object.
     """
     refined = 0
     collapsing = 0
+    pinched = 0
     for v in range(m.layout[VERTEX_TOP]):
         collapse[v] = 0
         if m.vertices[v, OUT] < 0 or counter[v, WISH] == NONE:
             continue
         wish = counter[v, WISH]
         counter[v, WISH] = NONE
+        pinched += wish != REFINE
         if wish == COLLAPSE:
             if may_collapse:
                 collapse[v] = 1
                 collapsing += 1
-        elif may_refine and m.points[v, SCALE] > dials.least_scale:
+        elif wish == REFINE and may_refine and m.points[v, SCALE] > dials.least_scale:
             scale = max(dials.least_scale, 0.7 * m.points[v, SCALE])
             m.points[v, SCALE] = scale
             _wake(state, counter, v)
@@ -450,7 +510,7 @@ def answer_wishes(m, state, counter, dials, may_refine, may_collapse, collapse):
                 if h == first:
                     break
             refined += 1
-    return refined, collapsing
+    return refined, collapsing, pinched
 
 
 @kernel

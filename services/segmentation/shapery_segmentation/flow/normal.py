@@ -28,10 +28,13 @@ vertices evenly and does not change the surface.
 How it ends
 -----------
 A vertex sleeps when its net way along the normal is small, wakes when its neighbours move, is stopped when it has
-changed its direction too often (S5), and is frozen while another part of the surface is in its way (S4). Frozen
+changed its direction too often (S5), is interpolated between those at rest where too many oscillate (S8), and is frozen
+while another part of the surface is in its way (S4). Frozen
 vertices that guard a small feature get finer triangles; those on a thin piece that is not object collapse. Every move
 and every operation on the triangles is tested before it counts (see `shapery_segmentation.mesh`), so the surface stays
-closed, manifold, oriented, of the seed's genus, and free of self-intersections, whatever the field.
+closed, manifold, oriented, and free of self-intersections, whatever the field. It keeps the seed's genus, too, unless
+``topology="adaptive"`` lets fronts that meet inside the object merge and necks outside of it split (see
+`shapery_segmentation.flow.topology`).
 
 A seed that lies in nothing shrinks until it is gone; that is told by ``vanished`` and is no error, because dropping
 false alarms this way is part of the method (3.5.1).
@@ -46,11 +49,13 @@ from numpy.typing import NDArray
 
 from shapery_contracts.errors import InvalidInput
 from shapery_geometry.mesh import TriangleMesh
-from shapery_geometry.volume import check_affine
+from shapery_geometry.volume import Volume, check_affine
 from shapery_segmentation.flow import _flow_kernels as kernels
 from shapery_segmentation.flow.edges import EdgeIndicator
+from shapery_segmentation.flow.interpolation import interpolated
 from shapery_segmentation.flow.params import FlowResult, FlowState, NormalFlowParams, StageRecord
 from shapery_segmentation.flow.threshold import median_inside
+from shapery_segmentation.flow.topology import reconnected, without_remains
 from shapery_segmentation.mesh import _motion_kernels as motion
 from shapery_segmentation.mesh.arrays import SCALE
 from shapery_segmentation.mesh.dynamic_mesh import DynamicMesh
@@ -73,6 +78,21 @@ NOTHING_LEFT = 2.0
 LARGEST_REFINEMENTS, LARGEST_RETREATS = 8, 50
 """Rounds per stage in which frozen vertices get finer triangles, and in which they collapse: the triangles that one
 makes the other may take away, for ever. A retreat takes about half an edge length off a thin piece."""
+
+RECONNECT_INTERVAL, LARGEST_RECONNECTIONS = 12, 8
+"""Iterations between two changes of topology, and how many one stage may see: what is merged must have time to grow."""
+
+CLEARLY_FLAT = 0.5
+"""Edge indicator above which no edge parts two fronts; the gradient model has no other notion of what is object."""
+
+LARGEST_INTERPOLATIONS = 3
+"""Interpolations in one stage: what oscillates for ever is a case for aging."""
+
+LEAST_TRUSTED = 0.5
+"""Share of the vertices that must be at rest before the others are interpolated between them."""
+
+NO_AGING = 1 << 30
+"""Changes of direction that no vertex makes."""
 
 THIN = 0.3
 """Compactness (1 for an equilateral triangle) below which a face makes its vertices irregular."""
@@ -169,7 +189,10 @@ class _Evolution:
                 f"The seed encloses {self.mesh.volume:.3g} mm³: its faces look inwards.",
                 "Turn its faces over.",
             )
+        self.parts = seed.component_count
         self.iteration = 0
+        self.reconnections = self.interpolations = 0
+        self.oscillating = self._most_oscillating = self._oscillations = 0
         self.vanished = False
         self.stages: list[StageRecord] = []
         self._settled_threshold = self.threshold
@@ -177,32 +200,40 @@ class _Evolution:
 
     def run_stage(self, stage: int, on_iteration: Callable[[FlowState], None] | None) -> None:
         """Flow with one edge length until the surface rests."""
-        p, mesh = self.params, self.mesh
+        p = self.params
         length = p.edge_lengths[stage]
         self._begin(stage)
         first = self.iteration
-        awake = mesh.vertex_count
+        awake = self.mesh.vertex_count
         while self.iteration - first < p.max_iterations and not self.vanished:
             awake = self._step(length)
             self.iteration += 1
             done = self.iteration - first
             if done % p.release_interval == 0:
                 self._release()
+            if done % p.interpolation_interval == 0 and p.interpolation_share is not None:
+                self._interpolate(p.interpolation_share, length)
             if done % p.remesh_interval == 0:
                 self._remesh(length)
             if done % p.threshold_interval == 0:
                 self._update_threshold()
             if on_iteration is not None:
-                on_iteration(FlowState(stage, self.iteration, mesh.vertex_count, awake, self.threshold))
-            if awake <= p.awake_share * mesh.vertex_count and done % p.remesh_interval == 0 and not self._stirred:
+                vertices = self.mesh.vertex_count
+                on_iteration(FlowState(stage, self.iteration, vertices, awake, self.oscillating, self.threshold))
+            rests = (
+                awake <= p.awake_share * self.mesh.vertex_count and done % p.remesh_interval == 0 and not self._stirred
+            )
+            if self._pinched and (rests or done % RECONNECT_INTERVAL == 0):
+                rests = not self._reconnect(length) and rests
+            if rests:
                 break
         self._remesh(length)
         self.stages.append(
             StageRecord(
                 edge_length=length,
                 iterations=self.iteration - first,
-                converged=awake <= p.awake_share * mesh.vertex_count,
-                vertices=mesh.vertex_count,
+                converged=awake <= p.awake_share * self.mesh.vertex_count,
+                vertices=self.mesh.vertex_count,
                 threshold=self.threshold,
             )
         )
@@ -211,8 +242,6 @@ class _Evolution:
         """Return where the surface is."""
         modes = self._counter[self.mesh.live, kernels.MODE]
         mesh = self.mesh.to_triangle_mesh()
-        if not self.vanished:
-            mesh = _without_remains(mesh, NOTHING_LEFT * self.mesh.edge_length**3)
         return FlowResult(
             mesh=mesh,
             threshold=self.threshold,
@@ -223,27 +252,37 @@ class _Evolution:
             frozen=int(np.count_nonzero(modes == kernels.FROZEN)),
             aged=int(np.count_nonzero(modes == kernels.AGED)),
             awake=int(np.count_nonzero(modes == kernels.AWAKE)),
+            oscillating=self._most_oscillating,
+            oscillations=self._oscillations,
+            interpolations=self.interpolations,
+            reconnections=self.reconnections,
             stages=tuple(self.stages),
         )
 
     def _begin(self, stage: int) -> None:
-        """Bring the mesh to the stage's edge length; every vertex begins anew."""
+        """Bring the mesh to the stage's edge length."""
         mesh, lengths = self.mesh, self.params.edge_lengths
         if stage:
             # What was refined keeps its length in mm where that is the finer one.
             scale = mesh.arrays.points[:, SCALE]
             np.minimum(scale * (lengths[stage - 1] / lengths[stage]), 1.0, out=scale)
         mesh.edge_length = lengths[stage]
-        mesh.remesh(rounds=STAGE_ROUNDS if stage else SEED_ROUNDS)
+        self._take_up(STAGE_ROUNDS if stage else SEED_ROUNDS)
+        self._refinements = self._retreats = self._changes = self._tries = 0
+
+    def _take_up(self, rounds: int) -> None:
+        """Bring the mesh, which is new or has a new edge length, to that length; every vertex begins anew."""
+        mesh = self.mesh
+        mesh.remesh(rounds=rounds)
         mesh.compact()
         n = mesh.vertex_slots
         self._state = np.zeros((n, kernels.STATE_COLUMNS))
         self._state[:, kernels.GAIN] = 1.0
         self._counter = np.zeros((n, kernels.COUNTER_COLUMNS), dtype=np.int32)
+        self._moved = np.zeros(0, dtype=np.int64)
         self._make_room()
         self._stale = True
-        self._stirred = False
-        self._refinements = self._retreats = 0
+        self._stirred = self._pinched = False
 
     def _step(self, length: float) -> int:
         """Move all vertices once; return how many are awake then."""
@@ -263,13 +302,18 @@ class _Evolution:
         movers = self._movers[:count]
         batch = mesh.next_batch()
         motion.move_vertices(mesh.arrays, *mesh.cells, movers, self._target, self._old, self._moved, batch)
-        return int(kernels.settle(mesh.arrays, self._state, self._counter, self._moved, batch, movers, dials))
+        awake, self.oscillating = kernels.settle(
+            mesh.arrays, self._state, self._counter, self._moved, batch, movers, dials
+        )
+        self._most_oscillating = max(self._most_oscillating, self.oscillating)
+        self._oscillations += self.oscillating
+        return int(awake)
 
     def _remesh(self, length: float) -> None:
         """Answer what blocked vertices wish for, mend the triangles around what moves, and see what is left."""
         mesh = self.mesh
         active = (self._counter[:, kernels.MODE] == kernels.AWAKE).astype(np.int8)
-        refined, collapsing = kernels.answer_wishes(
+        refined, collapsing, pinched = kernels.answer_wishes(
             mesh.arrays,
             self._state,
             self._counter,
@@ -281,6 +325,8 @@ class _Evolution:
         self._refinements += refined > 0
         self._retreats += collapsing > 0
         self._stirred = refined + collapsing > 0
+        adaptive = self.params.topology == "adaptive" and self._changes < LARGEST_RECONNECTIONS
+        self._pinched = adaptive and (self._pinched or pinched > 0)
         if refined:
             np.maximum(active, self._counter[:, kernels.MODE] == kernels.AWAKE, out=active)
         mesh.remesh(active, unwanted=self._collapse if collapsing else None)
@@ -288,6 +334,42 @@ class _Evolution:
         kernels.adopt_touched(mesh.arrays, self._state, self._counter)
         self._stale = True
         self.vanished = mesh.volume < NOTHING_LEFT * length**3
+        if self.parts > 1 and not self.vanished:
+            self._drop_remains(NOTHING_LEFT * length**3)
+
+    def _drop_remains(self, least: float) -> None:
+        """Leave out the parts that have shrunk to nothing; a few faces more, and one could turn inside out."""
+        before = self.mesh.to_triangle_mesh()
+        after = without_remains(before, least)
+        if after is not before:
+            self.mesh = DynamicMesh(after, self.mesh.edge_length)
+            self.parts = after.component_count
+            self._take_up(1)
+
+    def _reconnect(self, length: float) -> bool:
+        """Change the topology where the surface meets itself; return whether there was something to change."""
+        self._pinched = False
+        surface = reconnected(self.mesh.to_triangle_mesh(), self._object_on, length)
+        if surface is None:
+            return False
+        self._changes += 1
+        self.reconnections += 1
+        self.mesh = DynamicMesh(surface, length)
+        self.parts = surface.component_count
+        self._take_up(SEED_ROUNDS)
+        return True
+
+    def _object_on(self, grid: Volume) -> NDArray[np.bool_]:
+        """Return the voxels of a grid that are object: what the surface would grow into."""
+        if self.edges is None:
+            there = Volume(self.field, self.affine).resampled_to(grid).data > self.threshold
+        else:
+            # Between two fronts that no edge parts.
+            affine = np.linalg.inv(np.vstack((self.edges.inverse, (0.0, 0.0, 0.0, 1.0))))
+            there = Volume(self.edges.values, affine).resampled_to(grid).data > CLEARLY_FLAT
+        if self.allowed.size:
+            there &= Volume(self.allowed.astype(np.float32), self.affine).resampled_to(grid).data >= 0.5
+        return np.asarray(there)
 
     def _release(self) -> None:
         """Smooth the vertices of thin triangles, which would keep the flow from converging."""
@@ -299,6 +381,45 @@ class _Evolution:
                 mesh.arrays, *mesh.room_for_cells(), movers, self._target, self._old, self._moved, mesh.next_batch()
             )
             self._stale = True
+
+    def _interpolate(self, share: float, length: float) -> None:
+        """Put the vertices that are not at rest between those that are, if too many of them oscillate (S8).
+
+        Those that oscillate again after that are put to rest where the field changes most along their normal.
+        """
+        mesh = self.mesh
+        if self.oscillating <= share * mesh.vertex_count or self._tries == LARGEST_INTERPOLATIONS:
+            return
+        live, faces = mesh.live_faces()
+        counter = self._counter[live]
+        restless = counter[:, kernels.MODE] == kernels.AWAKE
+        if 1.0 - restless.mean() < LEAST_TRUSTED:
+            return
+        self._tries += 1
+        self.interpolations += 1
+        oscillating = restless & (counter[:, kernels.FLIPS] >= kernels.OSCILLATING)
+        strength = np.zeros(len(live))
+        half = 0.5 * length
+        kernels.steepest_points(mesh.arrays, self.field, self.inverse, live, half, 0.0, self._target, strength)
+        weight = strength / max(float(strength[~restless].max()), 1e-30)
+        places = interpolated(mesh.arrays.points[live, :3], faces, ~restless, weight)
+        way = places - mesh.arrays.points[live, :3]
+        far = np.linalg.norm(way, axis=1, keepdims=True)
+        self._target[live] = mesh.arrays.points[live, :3] + way * np.minimum(1.0, length / np.maximum(far, 1e-30))
+
+        stopped = live[oscillating & (counter[:, kernels.TRIES] > 0)]
+        kernels.steepest_points(
+            mesh.arrays, self.field, self.inverse, stopped, half, length, self._target, np.zeros(len(stopped))
+        )
+        self._counter[live[oscillating], kernels.TRIES] += 1
+        movers = live[restless]
+        motion.move_vertices(
+            mesh.arrays, *mesh.room_for_cells(), movers, self._target, self._old, self._moved, mesh.next_batch()
+        )
+        self._counter[movers[:, None], (kernels.FLIPS, kernels.SIGN, kernels.AGE)] = 0
+        self._state[movers, kernels.NET] = 0.0
+        self._counter[stopped, kernels.MODE] = kernels.AGED
+        self._stale = True
 
     def _update_threshold(self) -> None:
         """Let the threshold follow what is inside, and wake all where it changed by more than a little."""
@@ -328,7 +449,8 @@ class _Evolution:
             rear=float(p.rear_gap),
             opposed=float(p.opposed),
             rear_opposed=float(p.rear_opposed),
-            aging=p.aging_limit,
+            damping=float(p.damping),
+            aging=NO_AGING if p.aging_limit is None else p.aging_limit,
             patience=p.patience,
             window=p.window,
             rest=float(p.rest),
@@ -364,18 +486,3 @@ def _finite(
         values = np.where(finite, values, np.float32(0.0))
         gate = finite if allowed is None else finite & allowed
     return values, np.zeros((0, 0, 0), dtype=np.uint8) if gate is None else gate.view(np.uint8)
-
-
-def _without_remains(mesh: TriangleMesh, least: float) -> TriangleMesh:
-    """Return the surface without the parts that shrank to nothing; for a seed of one part, as it is."""
-    if mesh.component_count < 2:
-        return mesh
-    label = mesh.topology.face_components
-    corners = mesh.corners - mesh.vertices[0]
-    parts = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0
-    volumes = np.bincount(label, weights=parts)
-    kept = mesh.faces[np.abs(volumes)[label] >= least]
-    used = np.unique(kept)
-    number = np.zeros(len(mesh.vertices), dtype=np.int32)
-    number[used] = np.arange(len(used), dtype=np.int32)
-    return TriangleMesh(mesh.vertices[used], number[kept])

@@ -48,8 +48,16 @@ class NormalFlowParams:
         Iterations in a row that a vertex may be kept from moving before it is frozen.
     least_scale
         Share of the edge length to which frozen vertices that guard a small feature are refined; 1: not at all.
+    damping
+        What the step of a vertex is multiplied with when it changes its direction; 1: nothing. It grows back by a tenth
+        with every step in one direction.
     aging_limit
-        Changes of direction in a row after which a vertex is stopped (S5).
+        Changes of direction in a row after which a vertex is stopped (S5); none: never.
+    interpolation_share
+        Share of oscillating vertices above which those that are not at rest are interpolated between those that are
+        (S8, see `shapery_segmentation.flow.interpolation`); none: never.
+    interpolation_interval
+        Iterations between two such interpolations.
     window, rest, stir
         A vertex sleeps that has moved less than `rest` edge lengths along its normal, net, in `window` iterations; one
         that has moved more than `stir` wakes its neighbours.
@@ -60,7 +68,8 @@ class NormalFlowParams:
     max_iterations
         Iterations of one stage at the most.
     topology
-        ``preserve``: the surface keeps the genus and the number of parts of its seed.
+        ``preserve``: the surface keeps the genus and the number of parts of its seed. ``adaptive``: parts that meet
+        inside the object merge, necks outside of it split (see `shapery_segmentation.flow.topology`).
     """
 
     edge_lengths: tuple[float, ...] = (1.5, 1.0)
@@ -78,25 +87,28 @@ class NormalFlowParams:
     rear_gap: float = 0.6
     opposed: float = 0.4
     rear_opposed: float = -0.3
-    patience: int = 6
+    patience: int = 4
     least_scale: float = 0.5
-    aging_limit: int = 6
-    window: int = 6
-    rest: float = 0.03
-    stir: float = 0.15
+    damping: float = 0.5
+    aging_limit: int | None = 6
+    interpolation_share: float | None = 0.1
+    interpolation_interval: int = 8
+    window: int = 2
+    rest: float = 0.015
+    stir: float = 0.1
     remesh_interval: int = 4
     release_interval: int = 20
-    awake_share: float = 0.005
+    awake_share: float = 0.01
     max_iterations: int = 400
-    topology: Literal["preserve"] = "preserve"
+    topology: Literal["preserve", "adaptive"] = "preserve"
 
     def __post_init__(self) -> None:
         if not self.edge_lengths or not all(np.isfinite(h) and h > 0 for h in self.edge_lengths):
             raise ValueError(f"edge_lengths must be positive and at least one, not {self.edge_lengths}")
         if self.model not in ("threshold", "gradient"):
             raise ValueError(f"model must be 'threshold' or 'gradient', not {self.model!r}")
-        if self.topology != "preserve":
-            raise ValueError(f"topology must be 'preserve', not {self.topology!r}")
+        if self.topology not in ("preserve", "adaptive"):
+            raise ValueError(f"topology must be 'preserve' or 'adaptive', not {self.topology!r}")
         for name, low, high in (
             ("step", 0.0, 0.5),
             ("curvature_weight", 0.0, 1.0),
@@ -106,6 +118,7 @@ class NormalFlowParams:
             ("opposed", -1.0, 1.0),
             ("rear_opposed", -1.0, 1.0),
             ("least_scale", 0.1, 1.0),
+            ("damping", 0.1, 1.0),
             ("awake_share", 0.0, 1.0),
             ("gradient_percentile", 0.0, 100.0),
         ):
@@ -113,12 +126,16 @@ class NormalFlowParams:
             if not low <= value <= high:
                 raise ValueError(f"{name} must lie in [{low:g}, {high:g}], not {value}")
         counts = (
-            "threshold_interval", "patience", "aging_limit", "window", "remesh_interval", "release_interval",
-            "max_iterations",
+            "threshold_interval", "interpolation_interval", "patience", "window", "remesh_interval",
+            "release_interval", "max_iterations",
         )  # fmt: skip
         for name in counts:
             if getattr(self, name) < 1:
                 raise ValueError(f"{name} must be at least 1, not {getattr(self, name)}")
+        if self.aging_limit is not None and self.aging_limit < 1:
+            raise ValueError(f"aging_limit must be at least 1, not {self.aging_limit}")
+        if self.interpolation_share is not None and not 0.0 <= self.interpolation_share <= 1.0:
+            raise ValueError(f"interpolation_share must lie in [0, 1], not {self.interpolation_share}")
         if not self.threshold_range[0] <= self.threshold_range[1]:
             raise ValueError(f"threshold_range must be rising, not {self.threshold_range}")
         if not (np.isfinite(self.gradient_sigma) and self.gradient_sigma >= 0):
@@ -134,6 +151,8 @@ class FlowState:
     """Over all stages, from 1."""
     vertices: int
     awake: int
+    oscillating: int
+    """Of those awake, the ones that change their direction again and again."""
     threshold: float
 
 
@@ -155,8 +174,8 @@ class FlowResult:
     Parameters
     ----------
     mesh
-        Closed, manifold, oriented, of the seed's genus, without self-intersections, RAS mm; its coordinates are float32
-        values, so that single precision stores it exactly.
+        Closed, manifold, oriented, without self-intersections, RAS mm, and of the seed's genus if the topology is to be
+        preserved; its coordinates are float32 values, so that single precision stores it exactly.
     threshold
         At the end.
     iterations
@@ -168,6 +187,12 @@ class FlowResult:
     asleep, frozen, aged, awake
         Vertices by how they ended: at rest; kept from moving by another part of the surface; stopped where they
         oscillated; still moving.
+    oscillating
+        The most vertices that were oscillating at once, and in `oscillations` the sum over all iterations.
+    interpolations
+        How often vertices were interpolated (S8).
+    reconnections
+        How often the topology was changed.
     stages
         One record per stage that ran.
     """
@@ -181,4 +206,8 @@ class FlowResult:
     frozen: int
     aged: int
     awake: int
+    oscillating: int
+    oscillations: int
+    interpolations: int
+    reconnections: int
     stages: tuple[StageRecord, ...]

@@ -167,7 +167,7 @@ class DynamicMesh:
         Everything that the slots of vertices are known by becomes meaningless.
         """
         clearance = self.arrays.bound[CLEARANCE]
-        live, faces = self._live_faces()
+        live, faces = self.live_faces()
         self._take(self.arrays.points[live], faces)
         self.arrays.bound[CLEARANCE] = clearance
 
@@ -198,10 +198,10 @@ class DynamicMesh:
 
     def to_triangle_mesh(self) -> TriangleMesh:
         """Return the present surface, its vertices in the order of their slots."""
-        live, faces = self._live_faces()
+        live, faces = self.live_faces()
         return TriangleMesh(self.arrays.points[live, :3], faces)
 
-    def _live_faces(self) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    def live_faces(self) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
         """Return the slots of the vertices in use, and the faces in terms of their rank among these."""
         live = self.live
         number = np.full(self.vertex_slots, -1, dtype=np.int32)

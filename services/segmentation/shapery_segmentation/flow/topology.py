@@ -1,0 +1,110 @@
+"""Changes of topology (S4, ``topology="adaptive"``): parts that meet inside the object merge, necks outside it split.
+
+Every operation on the triangles keeps the topology, so a change is made by laying the surface into a grid, deciding
+there what is inside, and taking the border of that as the new surface. It is closed, oriented, manifold and free of
+self-intersections whatever the voxels (see `shapery_segmentation.seeding.ball`), and within a quarter of an edge
+length of the old one, from where the flow takes it back to the object.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from shapery_geometry.mesh import TriangleMesh
+from shapery_geometry.rasterize import rasterize
+from shapery_geometry.volume import Volume
+from shapery_segmentation.gate import within
+from shapery_segmentation.seeding.ball import surface_of
+
+BoolArray = NDArray[np.bool_]
+
+CELL = 0.5
+"""Edge of the grid's cells in edge lengths: the gap that fronts keep is then two cells wide."""
+
+MERGED_GAP = 0.8
+"""Half the width, in edge lengths, of the gaps that are closed where object lies in them."""
+
+SPLIT_NECK = 0.6
+"""Half the width, in edge lengths, of the necks that are cut where no object lies in them."""
+
+LEAST_PART = 2.0
+"""Cubes of the edge length; smaller parts and smaller cavities are not made."""
+
+
+def reconnected(
+    surface: TriangleMesh, object_on: Callable[[Volume], BoolArray], edge_length: float
+) -> TriangleMesh | None:
+    """Return a surface that is joined where it meets itself inside the object, and cut where it is thin outside of it.
+
+    Parameters
+    ----------
+    surface
+        Closed, RAS mm, without self-intersections.
+    object_on
+        Tells which voxels of a grid are object.
+    edge_length
+        In mm.
+
+    Returns
+    -------
+    The new surface; none if it would have the number of parts and the Euler characteristic of the old one.
+
+    References
+    ----------
+    T. McInerney, D. Terzopoulos, "Topology adaptive deformable surfaces for medical image volume segmentation", IEEE
+    Trans. Med. Imaging 18 (1999), doi:10.1109/42.811261.
+    """
+    cell = CELL * edge_length
+    gap, neck = MERGED_GAP / CELL, SPLIT_NECK / CELL
+    margin = int(np.ceil(gap)) + 2
+    low, high = surface.bounding_box
+    shape = np.ceil((high - low) / cell).astype(int) + 2 * margin
+    affine = np.diag([cell, cell, cell, 1.0])
+    affine[:3, 3] = low - (margin - 0.5) * cell
+    grid = Volume(np.broadcast_to(np.zeros((), np.uint8), tuple(shape)), affine)
+
+    inside = rasterize(surface, grid)
+    is_object = object_on(grid)
+    joined = inside | (~within(~within(inside, gap), gap) & is_object)
+    thick = within(~within(~joined, neck), neck)
+    solid = joined & (thick | is_object)
+    least = LEAST_PART / CELL**3
+    solid = _without_small(solid, least, np.ones((3, 3, 3)))
+    solid = ~_without_small(~solid, least, ndimage.generate_binary_structure(3, 1))
+    if not solid.any():
+        return None
+    new = surface_of(solid, affine)
+    if new.euler_characteristic == surface.euler_characteristic and new.component_count == surface.component_count:
+        return None
+    return new
+
+
+def without_remains(mesh: TriangleMesh, least: float) -> TriangleMesh:
+    """Return the surface without the parts that enclose less than `least` mm³; as it is if there are none."""
+    if mesh.component_count < 2:
+        return mesh
+    label = mesh.topology.face_components
+    corners = mesh.corners - mesh.vertices[0]
+    parts = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0
+    volumes = np.abs(np.bincount(label, weights=parts))
+    if volumes.min() >= least:
+        return mesh
+    kept = mesh.faces[volumes[label] >= least]
+    used = np.unique(kept)
+    number = np.zeros(len(mesh.vertices), dtype=np.int32)
+    number[used] = np.arange(len(used), dtype=np.int32)
+    return TriangleMesh(mesh.vertices[used], number[kept])
+
+
+def _without_small(mask: BoolArray, least: float, structure: NDArray[np.generic]) -> BoolArray:
+    """Return `mask` without parts of less than `least` voxels."""
+    labels, count = ndimage.label(mask, structure)
+    if count < 2:
+        return mask
+    sizes = np.bincount(labels.ravel())
+    sizes[0] = 0
+    return np.asarray((sizes >= least)[labels] & mask)
