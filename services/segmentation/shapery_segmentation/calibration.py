@@ -30,7 +30,7 @@ SMOOTHING = 0.6
 TRIM = 2.5
 """Residuals beyond this many deviations (vessels, the tumor itself, borders) take no part in the fit."""
 
-SAMPLES = 200_000
+SAMPLES = 100_000
 """Voxels the fit is made from; more change its third digit."""
 
 TISSUE_PERCENTILE = 65.0

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from shapery_segmentation import _label_kernels as kernels
-from shapery_segmentation.gate import within
+from shapery_segmentation.gate import box_around, within
 
 BoolArray = NDArray[np.bool_]
 
@@ -65,11 +65,18 @@ def fill_enclosed(rim: BoolArray, spacing: float) -> BoolArray:
     holes, this bears rims with gaps, which the annotators' cores run across. Holes proper are filled whatever their
     width.
     """
+    out = np.zeros(rim.shape, dtype=np.bool_)
+    if not rim.any():
+        return out
+    # From outside of the box around the rim at most 9 directions lead into it.
+    box = box_around(rim, rim.shape, 0)
+    part = np.ascontiguousarray(rim[box])
     lengths = np.linalg.norm(DIRECTIONS, axis=1) * spacing
     reaches = np.floor(SIGHT / lengths).astype(np.int64)
-    counts = np.zeros(rim.shape, dtype=np.uint8)
-    kernels.count_rays(np.ascontiguousarray(rim), DIRECTIONS, reaches, np.empty(rim.shape, dtype=np.int16), counts)
-    return np.asarray(((counts >= ENCLOSED_FROM) | _holes(rim)) & ~rim)
+    counts = np.zeros(part.shape, dtype=np.uint8)
+    kernels.count_rays(part, DIRECTIONS, reaches, np.empty(part.shape, dtype=np.int16), counts)
+    out[box] = ((counts >= ENCLOSED_FROM) | _holes(part)) & ~part
+    return out
 
 
 def _holes(rim: BoolArray) -> BoolArray:

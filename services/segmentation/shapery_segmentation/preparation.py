@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from shapery_contracts.errors import InvalidInput
 from shapery_geometry.volume import Reorientation, Volume
+from shapery_segmentation.blocks import block_means
 
 FloatArray = NDArray[np.float32]
 BoolArray = NDArray[np.bool_]
@@ -174,8 +175,8 @@ def averaged(volume: Volume, step: float) -> Volume:
     # What does not fill a block is left out, half at either end.
     starts = [(n - c * f) // 2 for n, c, f in zip(volume.shape, counts, factors, strict=True)]
     data = volume.data[tuple(slice(a, a + c * f) for a, c, f in zip(starts, counts, factors, strict=True))]
-    (a, b, c), (f, g, h) = counts, factors
-    mean = data.reshape(a, f, b, g, c, h).mean(axis=(1, 3, 5), dtype=np.float32)
+    f, g, h = factors
+    mean = block_means(data, (f, g, h))
     affine = volume.affine.copy()
     affine[:3, 3] += affine[:3, :3] @ (np.array(starts) + (np.array(factors) - 1) / 2)
     affine[:3, :3] = affine[:3, :3] * np.array(factors)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,7 +91,7 @@ def ablate(
     base = params if params is not None else NormalFlowParams()
     rows = []
     for without in COMBINATIONS:
-        changes: dict[str, float | None] = {}
+        changes: dict[str, Any] = {}
         for part in without:
             changes |= WITHOUT[part]
         start = time.process_time()

@@ -9,6 +9,7 @@ length of the old one, from where the flow takes it back to the object.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,7 +101,7 @@ def without_remains(mesh: TriangleMesh, least: float) -> TriangleMesh:
     return TriangleMesh(mesh.vertices[used], number[kept])
 
 
-def _without_small(mask: BoolArray, least: float, structure: NDArray[np.generic]) -> BoolArray:
+def _without_small(mask: BoolArray, least: float, structure: NDArray[Any]) -> BoolArray:
     """Return `mask` without parts of less than `least` voxels."""
     labels, count = ndimage.label(mask, structure)
     if count < 2:

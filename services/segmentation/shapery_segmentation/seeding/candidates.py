@@ -114,19 +114,20 @@ def find_candidates(
     if count == 0:
         return Search((), weight, octree, plane)
     numbers = np.arange(1, count + 1)
-    masses = np.asarray(ndimage.sum_labels(weight, labels, numbers)) * spacing**3
+    own = np.flatnonzero(labels)
+    masses = np.bincount(labels.ravel()[own], weight.ravel()[own])[1:] * spacing**3
     order = np.argsort(-masses, kind="stable")[:limit]
     boxes = ndimage.find_objects(labels)
     found = []
     for n in order:
         if masses[n] < LEAST_EVIDENCE_MM3:
             break
-        own = labels[boxes[n]] == numbers[n]
-        median = float(np.median(field[boxes[n]][own]))
+        part = labels[boxes[n]] == numbers[n]
+        median = float(np.median(field[boxes[n]][part]))
         clear = 1.0 / (1.0 + float(np.exp((CLEARLY_MORE[0] - median) / CLEARLY_MORE[1])))
         voxels = np.zeros(labels.shape, dtype=np.bool_)
-        voxels[boxes[n]] = own
-        found.append(Candidate(voxels, float(masses[n]) * clear, float(np.median(peak[boxes[n]][own])), median))
+        voxels[boxes[n]] = part
+        found.append(Candidate(voxels, float(masses[n]) * clear, float(np.median(peak[boxes[n]][part])), median))
     found.sort(key=lambda candidate: -candidate.evidence_mm3)
     return Search(tuple(found), weight, octree, plane)
 
