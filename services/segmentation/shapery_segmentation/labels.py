@@ -79,6 +79,26 @@ def fill_enclosed(rim: BoolArray, spacing: float) -> BoolArray:
     return out
 
 
+def enhancing_part(rim: BoolArray, enclosed: BoolArray, enhancing: BoolArray) -> BoolArray:
+    """Return the voxels of a core that enhance: the rim's outer layer, and inside it what exceeds the threshold.
+
+    Parameters
+    ----------
+    rim, enclosed : (I, J, K) bool
+        The voxels inside the surface, and those that they enclose.
+    enhancing : (I, J, K) bool
+        Voxels above the running threshold.
+
+    Notes
+    -----
+    The surface tells where the object ends. Within, it cannot follow every fleck of necrosis and every septum across
+    it, because its triangles and the distance that its fronts keep are of their size.
+    """
+    core = rim | enclosed
+    inner = ndimage.binary_erosion(core, ndimage.generate_binary_structure(3, 1), border_value=1)
+    return np.asarray((rim & ~inner) | (core & enhancing))
+
+
 def _holes(rim: BoolArray) -> BoolArray:
     """Return the voxels that the border of the array cannot reach through faces without crossing `rim`."""
     labels, _ = ndimage.label(np.pad(~rim, 1, constant_values=True))

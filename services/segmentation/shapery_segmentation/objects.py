@@ -17,7 +17,7 @@ from shapery_segmentation.brain import Brain
 from shapery_segmentation.calibration import Calibration
 from shapery_segmentation.flow.normal import NormalFlowParams, normal_flow
 from shapery_segmentation.gate import Region, reach
-from shapery_segmentation.labels import close_seam, fill_enclosed
+from shapery_segmentation.labels import close_seam, enhancing_part, fill_enclosed
 from shapery_segmentation.seeding.ball import seed_ball, surface_of
 from shapery_segmentation.seeding.candidates import LEAST_WEIGHT, Candidate
 
@@ -257,8 +257,10 @@ def _voxels(
     """Return the voxels of the enhancing part and those it encloses, on the grid that was given."""
     grid = brain.grid
     inside = rasterize(surface, Volume(start.field, start.affine))
-    whole = close_seam(inside, (start.field > threshold) & region.allowed, grid.spacing)
-    core = fill_enclosed(whole, grid.spacing) & brain.mask[region.box]
+    enhancing = start.field > threshold
+    whole = close_seam(inside, enhancing & region.allowed, grid.spacing)
+    core = (fill_enclosed(whole, grid.spacing) & brain.mask[region.box]) | whole
+    bright = enhancing_part(whole, core & ~whole, enhancing)
 
     def given(mask: BoolArray) -> BoolArray:
         full = np.zeros(grid.shape, dtype=np.bool_)
@@ -266,7 +268,8 @@ def _voxels(
         return grid.to_source(full)
 
     if grid.reorientation is not None:
-        return given(whole), given(core)
-    # On another grid than the working one the surface itself says what is inside, to the fraction of a voxel.
-    source = rasterize(surface, grid.source) | (given(whole) & ~given(inside))
-    return source, given(core | whole) & ~source
+        return given(bright), given(core & ~bright)
+    # On another grid than the working one the surface itself says where its outside ends, to the fraction of a voxel.
+    source = rasterize(surface, grid.source) & ~given(inside & ~bright)
+    source |= given(bright) & ~given(inside)
+    return source, given(core) & ~source

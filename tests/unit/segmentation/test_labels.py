@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import ndimage
 
-from shapery_segmentation.labels import DIRECTIONS, ENCLOSED_FROM, close_seam, fill_enclosed
+from shapery_segmentation.labels import DIRECTIONS, ENCLOSED_FROM, close_seam, enhancing_part, fill_enclosed
 
 INDEX = np.stack(np.meshgrid(*(np.arange(41),) * 3, indexing="ij"), axis=-1)
 RADIUS = np.linalg.norm(INDEX - 20, axis=-1)
@@ -65,3 +65,18 @@ def test_closing_reaches_the_border_of_the_array() -> None:
     slab = np.ones((12, 10, 10), bool)
     slab[6] = False
     assert close_seam(slab, np.ones_like(slab), 1.0)[6, 4, 4]
+
+
+def test_flecks_and_septa_inside_the_core_are_told_by_the_threshold() -> None:
+    core = RADIUS < 12
+    rim = core & (RADIUS >= 7)
+    septum = core & (INDEX[..., 0] == 20)
+    fleck = np.zeros_like(core)
+    fleck[30, 20, 20] = True
+    skin = core & ~ndimage.binary_erosion(core)
+    # Weak voxels in the outer layer stay what the surface says.
+    enhancing = (rim | septum) & ~fleck & ~(skin & (INDEX[..., 2] > 25))
+    bright = enhancing_part(rim, core & ~rim, enhancing)
+    np.testing.assert_array_equal(bright, (rim | septum) & ~fleck)
+    # What lies outside of the core is not asked.
+    np.testing.assert_array_equal(enhancing_part(rim, core & ~rim, np.ones_like(core)), core)
