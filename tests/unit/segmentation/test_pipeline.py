@@ -57,9 +57,10 @@ def test_the_report_tells_the_truth_about_the_surface(result: Segmentation, head
     assert item.core_volume_mm3 == pytest.approx((counts[1] + counts[2]) * voxel)
     assert [stage.name for stage in result.report.stages] == ["calibrate", "seed", "evolve", "label"]
     assert result.report.versions["shapery-segmentation"]
-    # Labels follow the surface: they differ by closed seams only.
+    # Labels follow the surface: they differ by closed seams, and by flecks inside that do not enhance.
     inside = rasterize(surface, head.post)
-    assert (result.labels.data[inside] == 1).all()
+    assert (result.labels.data[inside] > 0).all()
+    assert (result.labels.data[inside] == 1).mean() > 0.95
     assert np.count_nonzero((result.labels.data == 1) & ~inside) < 0.1 * counts[1]
     # The seed lies inside the object.
     seed = tuple(np.round(head.post.to_index(item.seed)).astype(int))
