@@ -33,8 +33,14 @@ LIMIT = 2
 CELLS = 64
 """Cells of the grid along each axis; space repeats beyond them."""
 
-MARGIN = 64
+MARGIN = 128
 """Free slots that a step may need."""
+
+LARGEST_LOOP = 64
+"""Edges of a hole that is closed by a fan about a point in its middle."""
+
+FOLD = -0.5
+"""Product of the normals of two faces over one edge below which they are folded."""
 
 
 class Front(NamedTuple):
@@ -291,7 +297,8 @@ def _fits(m, dials, ia, pa, na, least, extra_ids, extra_points, extra_normals, e
                     return False
                 t = _half_edge(m, v, u)
                 if t >= 0 and (
-                    m.twin[t] >= 0 or dot(na, (m.planes[t // 3, 0], m.planes[t // 3, 1], m.planes[t // 3, 2])) < -0.5
+                    m.twin[t] >= 0
+                    or dot(na, (m.planes[t // 3, 0], m.planes[t // 3, 1], m.planes[t // 3, 2])) < min(FOLD, least)
                 ):
                     return False
     size = 2.0 * dials.length
@@ -519,6 +526,59 @@ def _join_edge(m, dials, h, ids, points, normals):
     return False
 
 
+@inner
+def _fill_loop(m, dials, h, lift, ids, points, normals, rim):
+    """Close the hole at the boundary half-edge `h` by a fan about the mean of its vertices; return whether it fits.
+
+    The point is lifted by `lift` edge lengths along the mean of their normals.
+    """
+    count = 0
+    x, y, z = 0.0, 0.0, 0.0
+    a, b, c = 0.0, 0.0, 0.0
+    g = h
+    while True:
+        if count == LARGEST_LOOP:
+            return False
+        v = _origin(m, g)
+        rim[count] = v
+        count += 1
+        x, y, z = x + m.points[v, 0], y + m.points[v, 1], z + m.points[v, 2]
+        a, b, c = a + m.normals[v, 0], b + m.normals[v, 1], c + m.normals[v, 2]
+        g = _next_on_boundary(m, g)
+        if g == h:
+            break
+    n = _unit((a, b, c))
+    t = lift * dials.length
+    p = (
+        np.float64(np.float32(x / count + t * n[0])),
+        np.float64(np.float32(y / count + t * n[1])),
+        np.float64(np.float32(z / count + t * n[2])),
+    )
+    fresh = m.layout[VERTICES]
+    for s in range(count):
+        u, v = np.int64(rim[s]), np.int64(rim[(s + 1) % count])
+        for e in range(s):
+            if rim[e] == u:
+                return False
+        pu, pv = _point(m, u), _point(m, v)
+        plane = _plane(pv, pu, p)
+        if not _thick(pv, pu, p):
+            return False
+        if not _fits(m, dials, (v, u, np.int64(fresh)), (pv, pu, p), plane, -1.0, ids, points, normals, s):
+            return False
+        ids[s, 0], ids[s, 1], ids[s, 2] = v, u, fresh
+        for axis in range(3):
+            points[s, 0, axis] = pv[axis]
+            points[s, 1, axis] = pu[axis]
+            points[s, 2, axis] = p[axis]
+            normals[s, axis] = plane[axis]
+    _add_vertex(m, p, n)
+    m.layout[GROWN] += 1
+    for s in range(count):
+        _add_face(m, np.int64(rim[(s + 1) % count]), np.int64(rim[s]), np.int64(fresh), 2.0 * dials.length)
+    return True
+
+
 @kernel
 def begin(m, length):
     """Enter the faces `m.corners[:layout[FACES]]` into table and grid, which are empty; return whether they fit.
@@ -639,8 +699,9 @@ def stitch(m, dials, least, queue):
     int
         `DONE`, or `NO_ROOM`.
     """
-    ids = np.empty((6, 3), dtype=np.int64)
-    points, normals = np.empty((6, 3, 3)), np.empty((6, 3))
+    ids = np.empty((LARGEST_LOOP, 3), dtype=np.int64)
+    points, normals = np.empty((LARGEST_LOOP, 3, 3)), np.empty((LARGEST_LOOP, 3))
+    rim = np.empty(LARGEST_LOOP, dtype=np.int64)
     while True:
         count = 0
         for e in range(3 * m.layout[FACES]):
@@ -661,12 +722,21 @@ def stitch(m, dials, least, queue):
             h = np.int64(queue[order[i]])
             if m.twin[h] >= 0:
                 continue
-            if m.layout[FACES] + MARGIN > m.corners.shape[0]:
+            if m.layout[FACES] + MARGIN > m.corners.shape[0] or m.layout[VERTICES] + MARGIN > m.points.shape[0]:
                 return NO_ROOM
             if _close_corner(m, dials, h, least, ids, points, normals):
                 changed = True
         if not changed:
-            return DONE
+            # No three adjacent vertices will do: a point in the middle may.
+            for i in range(count):
+                h = np.int64(queue[order[i]])
+                for turn in range(3):
+                    if m.twin[h] < 0 and m.layout[VERTICES] + MARGIN <= m.points.shape[0]:
+                        lift = 0.0 if turn == 0 else (0.5 if turn == 1 else -0.5)
+                        if _fill_loop(m, dials, h, lift, ids, points, normals, rim):
+                            changed = True
+            if not changed:
+                return DONE
 
 
 @kernel

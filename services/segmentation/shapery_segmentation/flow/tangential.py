@@ -57,8 +57,11 @@ ROOM = 4096
 MENDINGS = 4
 """Times that the faces around a hole are taken out and the flow goes on."""
 
-STITCH_AGREEMENT = (0.1, -0.2)
+STITCH_AGREEMENT = (0.1, -0.2, -1.0)
 """Products of a face's normal with those of its vertices that stitching asks for, one after the other."""
+
+PART = 0.25
+"""Share of the way to the middle of its own neighbours that each copy of a split vertex moves."""
 
 SEED_EDGES = 0.9
 """Edge of the first triangle in edge lengths."""
@@ -236,6 +239,7 @@ def tangential_flow(
             break
         vertices, normals, faces = _used(vertices, normals, faces[kept])
     vertices, normals, faces = _used(vertices, normals, faces)
+    vertices, faces = _parted(vertices, faces)
     return TangentialFlowResult(TriangleMesh(vertices, faces), holes, int(state[0]), grown, stitched, refused, limited)
 
 
@@ -311,6 +315,33 @@ def _larger(front: kernels.Front, length: float) -> kernels.Front:
     larger.layout[:] = front.layout
     kernels.begin(larger, length)
     return larger
+
+
+def _parted(vertices: FloatArray, faces: NDArray[np.int32]) -> tuple[FloatArray, NDArray[np.int32]]:
+    """Return the surface with every vertex split at which several fans of faces meet, the copies drawn apart."""
+    pinched = TriangleMesh(vertices, faces).topology.nonmanifold_vertices
+    if not len(pinched):
+        return vertices, faces
+    points, faces = list(vertices), faces.copy()
+    for v in pinched.tolist():
+        waiting = set(np.flatnonzero((faces == v).any(axis=1)).tolist())
+        first = True
+        while waiting:
+            fan = [waiting.pop()]
+            rim = set(faces[fan[0]].tolist()) - {v}
+            while beside := [f for f in waiting if rim.intersection(faces[f].tolist())]:
+                waiting.difference_update(beside)
+                fan += beside
+                rim.update(faces[beside].ravel().tolist())
+                rim.discard(v)
+            place = vertices[v] + PART * (np.mean([points[u] for u in rim], axis=0) - vertices[v])
+            if first:
+                points[v] = place
+            else:
+                faces[fan] = np.where(faces[fan] == v, len(points), faces[fan])
+                points.append(place)
+            first = False
+    return np.array(points).astype(np.float32).astype(np.float64), faces
 
 
 def _used(

@@ -384,3 +384,33 @@ def relative_field(
         if half > 0.0:
             value = (smoothed[i, j, k] - 0.5 * (high + ground)) / half
             field[i - low[0], j - low[1], k - low[2]] = min(max(value, -1.0), 1.0)
+
+
+@njit(cache=True, nogil=True)
+def surround(points: Array, faces: Array, normals: Array, square: Array) -> None:
+    """Write unit normals (n, 3), faces weighted by area, and the mean squared length of the edges (n,) at vertices."""
+    count = np.zeros(points.shape[0])
+    normals[:] = 0.0
+    square[:] = 0.0
+    for f in range(faces.shape[0]):
+        a, b, c = faces[f]
+        ux, uy, uz = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1], points[b, 2] - points[a, 2]
+        vx, vy, vz = points[c, 0] - points[a, 0], points[c, 1] - points[a, 1], points[c, 2] - points[a, 2]
+        nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+        for v in (a, b, c):
+            normals[v, 0] += nx
+            normals[v, 1] += ny
+            normals[v, 2] += nz
+        # Each edge is met from both its faces, once at either end.
+        square[a] += ux * ux + uy * uy + uz * uz
+        square[c] += vx * vx + vy * vy + vz * vz
+        square[b] += (ux - vx) ** 2 + (uy - vy) ** 2 + (uz - vz) ** 2
+        count[a] += 1.0
+        count[b] += 1.0
+        count[c] += 1.0
+    for v in range(points.shape[0]):
+        size = np.sqrt(normals[v, 0] ** 2 + normals[v, 1] ** 2 + normals[v, 2] ** 2)
+        if size > 0.0:
+            for axis in range(3):
+                normals[v, axis] /= size
+        square[v] /= max(count[v], 1.0)

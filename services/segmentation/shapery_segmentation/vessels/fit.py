@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from shapery_geometry.operators.curvature import mean_curvature
 from shapery_geometry.volume import Volume
 from shapery_segmentation.mesh.dynamic_mesh import DynamicMesh
 from shapery_segmentation.vessels import _border_kernels as kernels
@@ -17,7 +16,7 @@ from shapery_segmentation.vessels.evidence import Evidence
 
 FloatArray = NDArray[np.float64]
 
-ROUNDS = 8
+ROUNDS = 5
 """Times that the surface is measured and moved."""
 
 REACH, SAMPLES = 1.0, 4
@@ -26,8 +25,11 @@ REACH, SAMPLES = 1.0, 4
 SPREADS = 6
 """Averages over neighbours that an offset goes through: what differs from vertex to vertex is noise."""
 
-FAIRING, SLIDING = 0.3, 0.3
+FAIRING, SLIDING = 0.4, 0.3
 """Share of the way to the neighbours' mean, along the normal less its own average over the neighbours, and across."""
+
+BEND_SPREADS = 6
+"""The same for the curvature."""
 
 LARGEST_MOVE = 0.5
 """Voxels that a vertex moves at once at the most."""
@@ -58,31 +60,38 @@ def fit_surface(
     neighbours: a tube, on which all move alike, keeps its radius, and only roughness goes.
     """
     voxel = min(grid.spacing)
+    inverse = np.ascontiguousarray(grid.inverse_affine[:3])
+    surface, live = mesh.to_triangle_mesh(), mesh.live
+    faces, count = surface.faces, len(surface.vertices)
+    mean = _averaging(faces, count)
+    normals, square = np.empty((count, 3)), np.empty(count)
+    offset = np.empty(count)
     last = 0.0
+    # Only places change: the triangles stay what they are.
     for _ in range(ROUNDS):
         if check_cancelled is not None:
             check_cancelled()
-        surface, live = mesh.to_triangle_mesh(), mesh.live
-        points, normals = surface.vertices, surface.vertex_normals
-        mean = _averaging(surface.faces, len(points))
-        bend = 2.0 * mean_curvature(surface)
-        for _ in range(4):
-            bend = mean @ bend
-        offset = np.empty(len(points))
-        kernels.wall_offsets(
-            points, normals, bend, evidence.values, border.inner, border.outer, float(CUBE),
-            np.ascontiguousarray(grid.inverse_affine[:3]), REACH * voxel, SAMPLES, offset,
-        )  # fmt: skip
-        np.clip(offset, -LARGEST_MOVE * voxel, LARGEST_MOVE * voxel, out=offset)
-        for _ in range(SPREADS):
-            offset = 0.5 * (offset + mean @ offset)
+        points = np.ascontiguousarray(mesh.arrays.points[live, :3])
+        kernels.surround(points, faces, normals, square)
         way = mean @ points - points
         along = np.einsum("ij,ij->i", way, normals)
+        # On a regular mesh the way to the neighbours' mean is −(κ₁ + κ₂)/4 times the mean squared edge.
+        bend = -4.0 * along / np.maximum(square, 1e-12)
+        for _ in range(BEND_SPREADS):
+            bend = 0.5 * (bend + mean @ bend)
+        kernels.wall_offsets(
+            points, normals, bend, evidence.values, border.inner, border.outer, float(CUBE), inverse,
+            REACH * voxel, SAMPLES, offset,
+        )  # fmt: skip
+        np.clip(offset, -LARGEST_MOVE * voxel, LARGEST_MOVE * voxel, out=offset)
+        smooth = offset
+        for _ in range(SPREADS):
+            smooth = 0.5 * (smooth + mean @ smooth)
         rough = along - mean @ (mean @ along)
-        target = points + (offset + FAIRING * rough)[:, None] * normals
+        target = points + (smooth + FAIRING * rough)[:, None] * normals
         target += SLIDING * (way - along[:, None] * normals)
         mesh.move(live, target)
-        last = float(np.abs(offset).mean())
+        last = float(np.abs(smooth).mean())
     return last
 
 

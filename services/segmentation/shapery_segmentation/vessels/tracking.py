@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from shapery_contracts.errors import InvalidInput
 from shapery_geometry.intersections import self_intersections
@@ -36,7 +37,7 @@ LARGEST_SURFACE = 400_000
 SEED_RADIUS = 1.0
 """Radius of the ball that the normal flow starts from, in voxels."""
 
-LEAST_AGREEMENT = 0.8
+LEAST_AGREEMENT = 0.7
 """Intersection over union with the region that a surface which grew must have, or part of the vessel is missing."""
 
 
@@ -185,7 +186,7 @@ def _grown(
 ) -> Iterator[tuple[TriangleMesh, Literal["tangential", "normal"], int, int]]:
     """Yield surfaces that grew, the flow that made them, and its iterations and rounds.
 
-    The first is what the model selection gives, the second grows tangentially from a triangle on the wall.
+    The first is what the model selection gives; the others grow tangentially from a triangle on the wall.
     """
     start = seed_voxel(part, field.depth)
     center = field.affine[:3, :3] @ start + field.affine[:3, 3]
@@ -201,11 +202,23 @@ def _grown(
         turns = chosen.tangential.rounds if chosen.tangential is not None else 0
         yield chosen.mesh, chosen.model, chosen.iterations, turns
     triangle = seed_triangle(field.values, field.affine, center, edge_length=edge)
-    if triangle is not None:
-        grown = tangential_flow(
-            field.values, field.affine, triangle, TangentialFlowParams(edge_length=edge), check_cancelled=check
-        )
-        yield grown.mesh, "tangential", 0, grown.rounds
+    if triangle is None:
+        return
+    params = TangentialFlowParams(edge_length=edge)
+    grown = tangential_flow(field.values, field.affine, triangle, params, check_cancelled=check)
+    yield grown.mesh, "tangential", 0, grown.rounds
+    # Between voxels a region may be parted where its voxels meet at a corner: the larger piece is then elsewhere.
+    if not grown.mesh.closed:
+        return
+    rest, count = ndimage.label(part & ~rasterize(grown.mesh, Volume(field.values, field.affine)))
+    if count:
+        rest = rest == 1 + np.argmax(np.bincount(rest.ravel())[1:])
+        start = seed_voxel(rest, field.depth)
+        center = field.affine[:3, :3] @ start + field.affine[:3, 3]
+        triangle = seed_triangle(field.values, field.affine, center, edge_length=edge)
+        if triangle is not None:
+            grown = tangential_flow(field.values, field.affine, triangle, params, check_cancelled=check)
+            yield grown.mesh, "tangential", 0, grown.rounds
 
 
 def _sound(found: TriangleMesh, part: BoolArray, grid: Volume, edge: float) -> DynamicMesh | None:
