@@ -39,6 +39,7 @@ $(VENV)/.ready: $(VENV)/.locked $(MEMBERS:%=%/pyproject.toml)
 	@echo "compiling the numerical kernels (once)"
 	@$(BIN)/python -m shapery_segmentation.warm
 	@$(BIN)/python -m shapery_retrieval.warm
+	@$(BIN)/python -m shapery_motion.warm
 	@touch $@
 
 # The dashboard is built by the system's Node.js if that is recent enough, else by one from the Python registry.

@@ -35,7 +35,7 @@ BINS: Final = 32
 LENGTH_BINS: Final = 24
 RATE_LIMIT: Final = 250
 """A probability's adaptation slows down until it has seen this many bits."""
-LEARNING: Final = 6
+LEARNING: Final = 8
 BIAS: Final = 256
 
 SQUASH_KNOTS: Final = (
@@ -141,27 +141,31 @@ def adapt(probabilities, hits, slot, bit):
 
 
 @inner
-def mixed(probabilities, slots, offset, weights, row, logits):
+def mixed(probabilities, slots, offset, weights, row, other, logits):
     """Return the probability that the contexts predict together; their logits are left in `logits`."""
-    total = weights[row, CONTEXTS] * BIAS
+    total = (weights[row, CONTEXTS] + weights[other, CONTEXTS]) * BIAS
     for k in range(CONTEXTS):
         logit = STRETCH[probabilities[slots[k] + offset] >> 4]
         logits[k] = logit
-        total += weights[row, k] * logit
+        total += (weights[row, k] + weights[other, k]) * logit
     x = min(max(total >> 16, -2048), 2047)
     return min(max(SQUASH[x + 2048], 32), 65504)
 
 
 @inner
-def code_mixed(state, buffer, probabilities, hits, slots, offset, weights, row, logits, bit):
+def code_mixed(state, buffer, probabilities, hits, slots, offset, weights, row, other, logits, bit):
     """Code a bit by the contexts' joint prediction, and let them learn."""
-    p = mixed(probabilities, slots, offset, weights, row, logits)
+    p = mixed(probabilities, slots, offset, weights, row, other, logits)
     bit = code_bit(state, buffer, p, bit)
     error = ((65536 if bit else 0) - p) * LEARNING
     for k in range(CONTEXTS):
-        weights[row, k] += (logits[k] * error + 0x80000) >> 20
+        change = (logits[k] * error + 0x80000) >> 20
+        weights[row, k] += change
+        weights[other, k] += change
         adapt(probabilities, hits, slots[k] + offset, bit)
-    weights[row, CONTEXTS] += (BIAS * error + 0x80000) >> 20
+    change = (BIAS * error + 0x80000) >> 20
+    weights[row, CONTEXTS] += change
+    weights[other, CONTEXTS] += change
     return bit
 
 
@@ -176,7 +180,7 @@ def bit_length(value):
 
 
 @inner
-def code_value(state, buffer, probabilities, hits, slots, weights, row, logits, value):
+def code_value(state, buffer, probabilities, hits, slots, weights, row, other, logits, sign_slot, value):
     """Code a whole number by the contexts in `slots`; return it.
 
     Its magnitude's bit length comes in unary, then the digits below the highest: the first by the contexts, the
@@ -187,7 +191,17 @@ def code_value(state, buffer, probabilities, hits, slots, weights, row, logits, 
     found = 0
     while found < LENGTH_BINS:
         more = code_mixed(
-            state, buffer, probabilities, hits, slots, found, weights, row + found, logits, 1 if length > found else 0
+            state,
+            buffer,
+            probabilities,
+            hits,
+            slots,
+            found,
+            weights,
+            row + found,
+            other + found,
+            logits,
+            1 if length > found else 0,
         )
         if not more:
             break
@@ -199,27 +213,34 @@ def code_value(state, buffer, probabilities, hits, slots, weights, row, logits, 
         bit = (magnitude >> k) & 1
         if k == found - 2 and found < BINS - LENGTH_BINS + 2:
             offset = LENGTH_BINS + found - 2
-            bit = code_mixed(state, buffer, probabilities, hits, slots, offset, weights, row + offset, logits, bit)
+            bit = code_mixed(
+                state, buffer, probabilities, hits, slots, offset, weights, row + offset, other + offset, logits, bit
+            )
         else:
             bit = code_bit(state, buffer, 32768, bit)
         result = (result << 1) | bit
-    return -result if code_bit(state, buffer, 32768, 1 if value < 0 else 0) else result
+    negative = 1 if value < 0 else 0
+    if sign_slot < 0:
+        negative = code_bit(state, buffer, 32768, negative)
+    else:
+        negative = code_adaptive(state, buffer, probabilities, hits, sign_slot, negative)
+    return -result if negative else result
 
 
 @inner
-def value_cost(probabilities, slots, weights, row, logits, costs, value):
+def value_cost(probabilities, slots, weights, row, other, logits, costs, value):
     """Return the bits that `code_value` would take, without learning."""
     magnitude = abs(value)
     length = bit_length(magnitude)
     bits = 0.0
     for k in range(min(length + 1, LENGTH_BINS)):
-        p = mixed(probabilities, slots, k, weights, row + k, logits)
+        p = mixed(probabilities, slots, k, weights, row + k, other + k, logits)
         bits += costs[(p if k < length else 65536 - p) >> 4]
     if length > 0:
         bits += length
         if 2 <= length < BINS - LENGTH_BINS + 2:
             offset = LENGTH_BINS + length - 2
-            p = mixed(probabilities, slots, offset, weights, row + offset, logits)
+            p = mixed(probabilities, slots, offset, weights, row + offset, other + offset, logits)
             bits += costs[(p if (magnitude >> (length - 2)) & 1 else 65536 - p) >> 4] - 1.0
     return bits
 

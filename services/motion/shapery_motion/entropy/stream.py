@@ -38,7 +38,7 @@ class Stream:
     def __init__(self, slots: int, rows: int = 1, *, data: memoryview | None = None, room: int = 1 << 16) -> None:
         self.probabilities: IntArray = np.full(slots, 32768, dtype=np.int64)
         self.hits: IntArray = np.zeros(slots, dtype=np.int64)
-        self.weights: IntArray = np.full((rows, coder.CONTEXTS + 1), 65536 * 3 // 10, dtype=np.int64)
+        self.weights: IntArray = np.full((rows, coder.CONTEXTS + 1), 65536 * 1 // 10, dtype=np.int64)
         self.weights[:, coder.CONTEXTS] = 0
         self.state: IntArray = np.zeros(5, dtype=np.int64)
         if data is None:

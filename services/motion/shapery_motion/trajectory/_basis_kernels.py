@@ -31,6 +31,10 @@ BASIS_SIZES: Final = np.array(
 """How many contexts there are of each of the eight kinds."""
 
 
+SIGN_SLOTS: Final = 72
+"""Probabilities of signs, behind those of the contexts."""
+
+
 @inlined
 def band(frequency):
     """Return the class of a frequency: alone up to 3, in halves of an octave above."""
@@ -38,6 +42,14 @@ def band(frequency):
         return frequency
     length = bit_length(frequency)
     return min(2 * length + ((frequency >> (length - 2)) & 1) - 2, BANDS - 1)
+
+
+@inlined
+def sign(value):
+    """Return 0 for 0, 1 for a positive and 2 for a negative number."""
+    if value == 0:
+        return 0
+    return 1 if value > 0 else 2
 
 
 @kernel
@@ -59,6 +71,7 @@ def code_bases(
     logits = np.zeros(CONTEXTS, dtype=np.int64)
     encoding = state[MODE] != DECODE
     running = np.zeros(BANDS, dtype=np.int64)
+    signs = (bases[CONTEXTS - 1] + BASIS_SIZES[CONTEXTS - 1]) * BINS
     for mode in range(rank):
         now = quantised[mode]
         before = quantised[max(mode - 1, 0)]
@@ -108,12 +121,16 @@ def code_bases(
                     slots[6] = (bases[6] + min(mode, 63) * 6 + min(place // 3, 5)) * BINS
                     slots[7] = (bases[7] + scale(4 * (all1 + all2 + ahead) // 9) * SCALES + mean) * BINS
                     row = min(place // 2, ROWS - 1) * BINS
+                    other = (ROWS + scale(blend)) * BINS
+                    sign1 = sign(now[at - 1, axis]) if frequency > 0 else 0
+                    sign2 = sign(now[at - 2, axis]) if frequency > 1 else 0
+                    sign_slot = signs + (min(frequency, 7) * 3 + sign1) * 3 + sign2
                     value = 0
                     if encoding:
                         wanted = targets[mode, at, axis]
                         value = int(np.rint(wanted))
                         if value != 0 and trade > 0.0:
-                            sign = 1 if value > 0 else -1
+                            direction = 1 if value > 0 else -1
                             most = abs(value)
                             best = np.inf
                             for candidate in (most, most - 1, 0):
@@ -121,10 +138,12 @@ def code_bases(
                                     continue
                                 error = abs(wanted) - candidate
                                 loss = error * error + trade * value_cost(
-                                    probabilities, slots, weights, row, logits, costs, candidate
+                                    probabilities, slots, weights, row, other, logits, costs, candidate
                                 )
                                 if loss < best:
-                                    best, value = loss, sign * candidate
-                    value = code_value(state, buffer, probabilities, hits, slots, weights, row, logits, value)
+                                    best, value = loss, direction * candidate
+                    value = code_value(
+                        state, buffer, probabilities, hits, slots, weights, row, other, logits, sign_slot, value
+                    )
                     now[at, axis] = value
                     running[place] += ((abs(value) << 8) - running[place] * 4 + 32) >> 6

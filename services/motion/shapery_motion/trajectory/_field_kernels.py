@@ -154,7 +154,7 @@ def code_fields(
         value = 0
         if encoding:
             value = int(np.rint(wanted[root] * root_scale))
-        value = code_value(state, buffer, probabilities, hits, slots, weights, 0, logits, value)
+        value = code_value(state, buffer, probabilities, hits, slots, weights, 0, ROWS * BINS, logits, -1, value)
         now[pairs] = value
         means[root] = value / root_scale
         high = pairs
@@ -213,6 +213,7 @@ def code_fields(
                 slots[6] = (bases[6] + min(mode, 63) * 4 + min(depth, 3)) * BINS
                 slots[7] = (bases[7] + prior * SCALES + mean) * BINS
                 row = (1 + min(depth, ROWS - 2)) * BINS
+                other = (ROWS + blend) * BINS
                 guess = gain * delta
                 value = 0
                 if encoding:
@@ -228,12 +229,12 @@ def code_fields(
                                 continue
                             error = abs(rest) - candidate
                             loss = error * error + trade * value_cost(
-                                probabilities, slots, weights, row, logits, costs, candidate
+                                probabilities, slots, weights, row, other, logits, costs, candidate
                             )
                             if loss < best:
                                 best, chosen = loss, sign * candidate
                         value = chosen
-                value = code_value(state, buffer, probabilities, hits, slots, weights, row, logits, value)
+                value = code_value(state, buffer, probabilities, hits, slots, weights, row, other, logits, -1, value)
                 now[pair] = value
                 running[depth] += ((abs(value) << 8) - running[depth] * 4 + 32) >> 6
                 delta = (guess + value) / gain

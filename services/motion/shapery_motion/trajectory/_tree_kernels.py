@@ -59,7 +59,19 @@ def pairing_tree(starts, neighbours):
             position[nodes[k]] = k
         before = made
         # small nodes choose first, and take the neighbour to which most edges per vertex lead
-        order = np.argsort(sizes[nodes], kind="mergesort")
+        largest = 0
+        for k in range(count):
+            largest = max(largest, int(sizes[nodes[k]]))
+        places = np.zeros(largest + 2, dtype=np.int64)
+        for k in range(count):
+            places[sizes[nodes[k]] + 1] += 1
+        for size in range(largest):
+            places[size + 1] += places[size]
+        order = np.empty(count, dtype=np.int64)
+        for k in range(count):
+            size = sizes[nodes[k]]
+            order[places[size]] = k
+            places[size] += 1
         matched = 0
         for k in order:
             a = nodes[k]

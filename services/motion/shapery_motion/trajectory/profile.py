@@ -15,7 +15,7 @@ from shapery_motion.container.sections import damaged
 from shapery_motion.graph import VertexGraph
 from shapery_motion.profiles import EncodedGroup, GroupTask
 from shapery_motion.trajectory import _frame_kernels as kernels
-from shapery_motion.trajectory.clustering import compact, reduced, regroup, spread_out
+from shapery_motion.trajectory.clustering import find_clusters
 from shapery_motion.trajectory.encoding import Encoded, encode_at, prepare
 from shapery_motion.trajectory.model import BASES, FIELDS, MODEL, GroupModel
 from shapery_motion.trajectory.streams import BasisStream, FieldStream, PairingTree
@@ -26,6 +26,8 @@ PART_NAMES: Final = {MODEL: "clusters", BASES: "bases", FIELDS: "fields"}
 TAIL: Final = 3.5
 """Where only the largest error is bounded, the root mean squared one is this many times smaller; vertices farther off
 are corrected one by one."""
+FIRST: Final = 4.5
+"""Squared step, in mean squared errors of a vertex, where the search for it begins."""
 PASSES: Final = 8
 NEAR: Final = 0.985
 """Share of the allowed squared error that is used up at least before the search for the step ends."""
@@ -42,15 +44,15 @@ def encode_group(task: GroupTask) -> EncodedGroup:
     moving = task.frames[kept]
     offset = moving.mean(axis=(0, 1))
     trajectories = np.ascontiguousarray((moving - offset).transpose(1, 0, 2))
-    repeats = np.bincount(sources, minlength=len(kept))
     lost = float(sum(((task.frames[f] - moving[s]) ** 2).sum() for f, s in enumerate(sources)))
-    # what frames shown more than once add to the error
-    target = (allowed - lost) * len(kept) / frames if repeats.max() > 1 else allowed
-    step = math.sqrt(3.0 * target / (len(kept) * n))
-    labels = _clusters(trajectories, graph, task, step)
+    # what the differences of frames shown more than once add to the error, about
+    target = allowed - lost
+    step = math.sqrt(FIRST * target / (frames * n))
+    thorough = task.preset == "default"
+    labels = find_clusters(trajectories, graph, step, count=task.clusters, thorough=thorough)
     task.on_progress(0.3)
     task.check_cancelled()
-    clusters = prepare(trajectories, graph, labels, step, cut=task.preset == "default" and len(kept) > 1)
+    clusters = prepare(trajectories, graph, labels, step, cut=thorough and len(kept) > 1)
     task.on_progress(0.4)
     points: list[tuple[float, int]] = []
     best: Encoded | None = None
@@ -58,7 +60,7 @@ def encode_group(task: GroupTask) -> EncodedGroup:
     for number in range(PASSES):
         task.check_cancelled()
         made = encode_at(clusters, graph, step, offset=offset, sources=sources)
-        points.append((made.squared_error * frames / len(kept) + lost, made.size))
+        points.append((made.squared_error + lost, made.size))
         ratio = made.squared_error / target
         if ratio <= 1.0:
             if best is None or made.size < best.size:
@@ -116,16 +118,6 @@ def repeated_frames(frames: FloatArray, tolerance: float) -> tuple[NDArray[np.in
             sources[f] = len(kept)
             kept.append(f)
     return sources, np.array(kept, dtype=np.int64)
-
-
-def _clusters(trajectories: FloatArray, graph: VertexGraph, task: GroupTask, step: float) -> NDArray[np.int64]:
-    n = len(trajectories)
-    count = task.clusters or max(1, min(20, n // 64))
-    if count == 1:
-        return np.zeros(n, dtype=np.int64)
-    points = reduced(trajectories.reshape(n, -1)) / (10.0 * step)
-    labels = spread_out(points, min(count, n))
-    return compact(regroup(points, graph, labels, dimensions=6, coherence=2.0, rounds=12))
 
 
 class TrajectoryGroup:

@@ -12,6 +12,7 @@ from shapery_motion.entropy._coder_kernels import BINS
 from shapery_motion.entropy.stream import Stream
 from shapery_motion.graph import VertexGraph
 from shapery_motion.trajectory import _basis_kernels, _field_kernels
+from shapery_motion.trajectory._field_kernels import SCALES
 from shapery_motion.trajectory._tree_kernels import pairing_tree
 
 FloatArray = NDArray[np.float64]
@@ -88,7 +89,9 @@ class BasisStream:
 
     def __init__(self, *, data: memoryview | None = None, room: int = 0, trade: float = 0.0) -> None:
         sizes = _basis_kernels.BASIS_SIZES
-        self._stream = Stream(int(sizes.sum()) * BINS, ROWS * BINS, data=data, room=room)
+        self._stream = Stream(
+            int(sizes.sum()) * BINS + _basis_kernels.SIGN_SLOTS, (ROWS + SCALES) * BINS, data=data, room=room
+        )
         self._bases = np.concatenate(([0], np.cumsum(sizes)[:-1]))
         self._trade = trade
 
@@ -110,7 +113,7 @@ class FieldStream:
 
     def __init__(self, *, data: memoryview | None = None, room: int = 0, trade: float = 0.0) -> None:
         sizes = _field_kernels.FIELD_SIZES
-        self._stream = Stream(int(sizes.sum()) * BINS, ROWS * BINS, data=data, room=room)
+        self._stream = Stream(int(sizes.sum()) * BINS, (ROWS + SCALES) * BINS, data=data, room=room)
         self._bases = np.concatenate(([0], np.cumsum(sizes)[:-1]))
         self._trade = trade
 
