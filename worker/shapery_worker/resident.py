@@ -37,8 +37,8 @@ from shapery_worker.settings import WorkerSettings
 from shapery_worker.stop_signal import StopSignal
 
 _TICK = 1.0
-_GRACE = 5.0
-"""Seconds beyond its deadline after which a question ends the process."""
+_GRACE = 60.0
+"""Seconds beyond its deadline after which a question ends the process: what was read meanwhile serves the next one."""
 _PAUSE = 1.0
 
 logger = logging.getLogger(__name__)
