@@ -130,7 +130,7 @@ def main() -> None:
         if options.again or not growth.KEPT.exists():
             print("growth", flush=True)
             growth.measure()
-        if options.again or not chapter.KEPT.exists():
+        if options.again or not chapter.complete():
             print("chapter 5", flush=True)
             chapter.measure()
     report.write(KEPT)

@@ -86,6 +86,11 @@ def _predicted_bytes(encoded: EncodedFrames) -> int:
     return sum(len(payload) for tag, payload in encoded.sections if tag in ("GLAB", "GMAT", "GANC")) + 8
 
 
+def complete() -> bool:
+    """Whether all of `measure` is kept already."""
+    return KEPT.exists() and "spectral" in json.loads(KEPT.read_text())
+
+
 def measure() -> None:
     """Make the pictures of Figs 5.1 to 5.3 from crane, and keep the figures that go with them."""
     case = load("crane")

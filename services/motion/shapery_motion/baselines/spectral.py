@@ -7,12 +7,12 @@ positions, or their differences from the key frame, are cut off after the first 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import diags_array
-from scipy.sparse.linalg import eigsh
+from scipy.sparse import csc_array, diags_array, eye_array
+from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 from shapery_contracts.errors import InvalidInput
 from shapery_geometry.mesh import TriangleMesh
@@ -20,8 +20,10 @@ from shapery_geometry.operators.laplacian import cotangent_laplacian, vertex_are
 
 FloatArray = NDArray[np.float64]
 
-TEXT_COEFFICIENTS = 1000
+TEXT_COEFFICIENTS: Final = 1000
 """How many coefficients the text keeps."""
+WINDOW: Final = 72
+"""How many eigenvalues are sought at once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,10 +90,54 @@ def spectral_basis(key: TriangleMesh, count: int = TEXT_COEFFICIENTS) -> Spectra
         values, vectors = np.linalg.eigh(matrix.toarray())
         values, vectors = values[:count], vectors[:, :count]
     else:
-        # a shift below zero, by little on the scale of the spectrum, makes the matrix invertible
-        shift = -1e-3 * float(matrix.diagonal().mean()) / n
-        start = np.random.default_rng(0).standard_normal(n)
-        values, vectors = eigsh(matrix, k=count, sigma=shift, v0=start)
-        order = np.argsort(values)
-        values, vectors = values[order], vectors[:, order]
+        values, vectors = _lowest(matrix, count)
     return SpectralBasis(key.vertices, np.ascontiguousarray(roots[:, None] * vectors), values, masses)
+
+
+def _lowest(matrix: csc_array[np.float64], count: int) -> tuple[FloatArray, FloatArray]:
+    """Return the `count` smallest eigenvalues and their vectors, rising.
+
+    Window by window of `WINDOW` eigenvalues around a shift: the cost of one search grows with the square of how many it
+    is for. A window begins where the one before was cut off, at the widest of its last gaps, so that eigenvalues that
+    lie close together come from one window and their vectors are orthogonal.
+    """
+    n = matrix.shape[0]
+    start = np.random.default_rng(0).standard_normal(n)
+    # a shift below zero, by little on the scale of the spectrum, makes the matrix invertible
+    shift = -1e-3 * float(matrix.diagonal().mean()) / n
+    size = min(WINDOW, n - 2)
+    values, vectors = _around(matrix, size, shift, start)
+    while len(values) < count:
+        reach = float(values[-1] - values[-min(size // 2, len(values))])
+        cut = _widest_gap(values)
+        below, kept = 0.5 * float(values[cut - 1] + values[cut]), vectors[:, :cut]
+        # near to what is known, so that the window begins below where that was cut off
+        ahead = 0.5
+        while True:
+            found, more = _around(matrix, size, below + ahead * reach, start)
+            if found[0] < below < found[-1]:
+                break
+            ahead /= 2
+        fresh = found > below
+        values = np.concatenate((values[:cut], found[fresh]))
+        vectors = np.concatenate((kept, more[:, fresh]), axis=1)
+    return values[:count], vectors[:, :count]
+
+
+def _around(
+    matrix: csc_array[np.float64], count: int, shift: float, start: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the `count` eigenvalues nearest to a shift, rising, and their vectors."""
+    shifted = (matrix - shift * eye_array(matrix.shape[0], format="csc")).tocsc()
+    # the ordering that scipy takes by default fills a symmetric matrix several times as much
+    factor = splu(shifted, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.01, options={"SymmetricMode": True})
+    inverse = LinearOperator(matrix.shape, matvec=factor.solve, dtype=np.float64)
+    values, vectors = eigsh(matrix, k=count, sigma=shift, OPinv=inverse, v0=start)
+    order = np.argsort(values)
+    return values[order], vectors[:, order]
+
+
+def _widest_gap(values: FloatArray) -> int:
+    """Return where to cut: how many of the values lie below the widest of the last gaps."""
+    first = max(len(values) - WINDOW // 6, 1)
+    return first + int(np.diff(values[first - 1 :]).argmax())
