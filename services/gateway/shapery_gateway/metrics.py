@@ -35,6 +35,12 @@ class RequestMetrics:
         self.enqueue_failures = Counter(
             "shapery_enqueue_failures", "Jobs left to the reaper because the broker did not answer.", registry=registry
         )
+        self.searches = Counter(
+            "shapery_searches",
+            "Searches by what answered them: a resident process, a job in time, or a job later.",
+            ["answered"],
+            registry=registry,
+        )
 
     def observe(self, method: str, route: str, status: int, seconds: float) -> None:
         """Count one request. A method nobody knows is counted as ``other``, so that none can add series at will."""

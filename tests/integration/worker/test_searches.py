@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -85,10 +86,8 @@ class Bench:
         return process
 
 
-@pytest.fixture(scope="module")
-def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
-    home = tmp_path_factory.mktemp("home")
-    url = migrated(f"sqlite:///{home / 'shapery.db'}")
+@contextmanager
+def running_bench(home: Path, url: str) -> Iterator[Bench]:
     with (
         redis_server() as redis,
         running_stack(home, url, redis, plugins=[bank_handlers.MODULE], **QUICK) as stack,
@@ -106,6 +105,23 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
         yield bench
 
 
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
+    home = tmp_path_factory.mktemp("home")
+    with running_bench(home, migrated(f"sqlite:///{home / 'shapery.db'}")) as bench:
+        yield bench
+
+
+@pytest.fixture(scope="module", params=["sqlite", "postgresql"])
+def any_bench(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
+    if request.param == "sqlite":
+        yield request.getfixturevalue("bench")
+        return
+    url = migrated(request.getfixturevalue("postgres").create_database())
+    with running_bench(tmp_path_factory.mktemp("home"), url) as bench:
+        yield bench
+
+
 def nearest(seed: int, among: Any) -> list[float]:
     return sorted(fake.distance(seed, other) for other in among)
 
@@ -118,17 +134,17 @@ def jobs_of(bench: Bench, kind: str) -> int:
     return len(bench.http.get("/v1/jobs", params={"kind": kind, "limit": 200}).json()["items"])
 
 
-def test_a_stored_shape_is_answered_at_once_and_without_a_job(bench: Bench) -> None:
-    before = jobs_of(bench, "shape-search")
-    response = bench.search(shape_id=bench.ids[5], limit=3)
+def test_a_stored_shape_is_answered_at_once_and_without_a_job(any_bench: Bench) -> None:
+    before = jobs_of(any_bench, "shape-search")
+    response = any_bench.search(shape_id=any_bench.ids[5], limit=3)
     assert response.status_code == 200, response.text
     answer = response.json()
-    others = [seed for seed in bench.ids if seed != 5]
+    others = [seed for seed in any_bench.ids if seed != 5]
     assert distances(answer) == pytest.approx(nearest(5, others)[:3], abs=1e-9)
-    assert bench.ids[5] not in {hit["shape_id"] for hit in answer["hits"]}
+    assert any_bench.ids[5] not in {hit["shape_id"] for hit in answer["hits"]}
     assert all(hit["shape"]["id"] == hit["shape_id"] for hit in answer["hits"])
     assert answer["job_id"] is None
-    assert jobs_of(bench, "shape-search") == before
+    assert jobs_of(any_bench, "shape-search") == before
 
 
 def test_what_a_search_costs_over_http(bench: Bench) -> None:
@@ -143,12 +159,12 @@ def test_what_a_search_costs_over_http(bench: Bench) -> None:
     measures.record("a search by a stored shape over HTTP, p95", ordered[int(0.95 * len(ordered))])
 
 
-def test_an_uploaded_mesh_is_answered_by_a_job(bench: Bench) -> None:
-    response = bench.search(wait=30, asset_id=bench.upload(4))
+def test_an_uploaded_mesh_is_answered_by_a_job(any_bench: Bench) -> None:
+    response = any_bench.search(wait=30, asset_id=any_bench.upload(4))
     assert response.status_code == 200, response.text
     answer = response.json()
-    assert distances(answer) == pytest.approx(nearest(4, bench.ids), abs=1e-9)
-    again = bench.http.get(f"/v1/search/{answer['job_id']}")
+    assert distances(answer) == pytest.approx(nearest(4, any_bench.ids), abs=1e-9)
+    again = any_bench.http.get(f"/v1/search/{answer['job_id']}")
     assert again.json() == answer
 
 
@@ -177,15 +193,15 @@ def test_filters_and_faults(bench: Bench) -> None:
     assert bench.search(asset_id=bench.ids[5]).status_code == 404
 
 
-def test_what_is_added_and_deleted_is_seen_by_the_next_search(bench: Bench) -> None:
-    job = bench.index(21, collection="guests")
+def test_what_is_added_and_deleted_is_seen_by_the_next_search(any_bench: Bench) -> None:
+    job = any_bench.index(21, collection="guests")
     assert job["state"] == "succeeded"
-    (guest,) = bench.http.get("/v1/shapes", params={"collection": "guests"}).json()["items"]
-    found = {hit["shape_id"] for hit in bench.search(shape_id=bench.ids[5]).json()["hits"]}
+    (guest,) = any_bench.http.get("/v1/shapes", params={"collection": "guests"}).json()["items"]
+    found = {hit["shape_id"] for hit in any_bench.search(shape_id=any_bench.ids[5]).json()["hits"]}
     assert guest["id"] in found
-    bench.http.delete(f"/v1/shapes/{guest['id']}")
-    found = {hit["shape_id"] for hit in bench.search(shape_id=bench.ids[5]).json()["hits"]}
-    assert found == set(bench.ids.values()) - {bench.ids[5]}
+    any_bench.http.delete(f"/v1/shapes/{guest['id']}")
+    found = {hit["shape_id"] for hit in any_bench.search(shape_id=any_bench.ids[5]).json()["hits"]}
+    assert found == set(any_bench.ids.values()) - {any_bench.ids[5]}
 
 
 def test_each_owner_finds_their_own(bench: Bench) -> None:
@@ -275,16 +291,16 @@ def test_the_sdk_and_the_command_line_say_the_same(bench: Bench, tmp_path: Path)
 
 
 @pytest.mark.parametrize("victim", ["self", "watcher"])
-def test_a_worker_killed_while_it_indexes_gives_one_shape(bench: Bench, tmp_path: Path, victim: str) -> None:
-    job = bench.index(
+def test_a_worker_killed_while_it_indexes_gives_one_shape(any_bench: Bench, tmp_path: Path, victim: str) -> None:
+    job = any_bench.index(
         34, collection="killed", metadata={"kill_once": str(tmp_path / "once"), "victim": victim}, name=victim
     )
     assert job["state"] == "succeeded", job
     assert job["attempt"] == 2
-    found = bench.http.get("/v1/shapes", params={"collection": "killed", "name": victim}).json()["items"]
+    found = any_bench.http.get("/v1/shapes", params={"collection": "killed", "name": victim}).json()["items"]
     assert [shape["job_id"] for shape in found] == [job["id"]]
-    assert bench.http.get(found[0]["arg_url"]).content == fake.graph(34)
-    bench.http.delete(f"/v1/shapes/{found[0]['id']}")
+    assert any_bench.http.get(found[0]["arg_url"]).content == fake.graph(34)
+    any_bench.http.delete(f"/v1/shapes/{found[0]['id']}")
 
 
 def test_a_resident_process_that_is_killed_comes_back_and_jobs_fill_the_gap(bench: Bench) -> None:

@@ -48,6 +48,7 @@ async def search(
             if answer.code is not None:
                 raise InvalidInput(answer.code, answer.message, answer.hint)
             if answer.result is not None:
+                backend.metrics.searches.labels("resident").inc()
                 return await run_sync(_answer, backend, caller, answer.result, None)
         if not caller.may(Scope.WRITE):
             raise Unavailable(
@@ -59,6 +60,7 @@ async def search(
     while not job.state.terminal and time.monotonic() < ends:
         await anyio.sleep(_LOOK_EVERY)
         job = await run_sync(_job, backend, caller, job.id)
+    backend.metrics.searches.labels("job" if job.state.terminal else "later").inc()
     return await _ended(backend, caller, job)
 
 
