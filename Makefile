@@ -17,7 +17,7 @@ STATIC := services/gateway/shapery_gateway/static
 PYTEST := $(BIN)/python -m pytest
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: help setup demo up test test-fast check format schema lock bench bench-motion clean
+.PHONY: help setup demo up test test-fast check format schema lock bench bench-motion bench-segmentation clean
 
 help: ## show this list
 	@grep -hE '^[a-z-]+:.*## ' Makefile | sed -E 's/:.*## /\t/' | expand -t 16
@@ -82,12 +82,14 @@ lock: $(VENV)/.locked ## resolve the locked versions anew (UPGRADE=1 takes newer
 	$(BIN)/python -m pip install --quiet uv
 	deploy/lock.sh $(BIN)/uv $(if $(UPGRADE),--upgrade)
 
-bench: setup ## measure: segmentation on real cases and phantoms, upload memory
-	$(BIN)/python -m benchmarks.segmentation
+bench: setup bench-segmentation ## measure: segmentation beside peers, upload memory
 	$(BIN)/python -m benchmarks.upload_memory
 
 bench-motion: setup ## measure motion compression beside its peers; takes long, goes on where it was stopped (BENCH=options)
 	$(BIN)/python -m benchmarks.motion $(BENCH)
+
+bench-segmentation: setup ## measure segmentation: real cases, peers, phantoms, growth (goes on where it stopped)
+	$(BIN)/python -m benchmarks.segmentation
 
 clean: ## remove what set-up and builds made
 	rm -rf $(VENV) $(STATIC) $(DASHBOARD)/node_modules $(DASHBOARD)/dist .mypy_cache .ruff_cache .pytest_cache

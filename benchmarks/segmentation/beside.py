@@ -1,0 +1,173 @@
+"""The peers on the same cases, from the same seeds, on three inputs.
+
+``plain``
+    The calibrated difference Z = (post − (a·pre + b)) / MAD over the whole brain, as one would make it without us, and
+    a ball of 3 mm around the point that our automatic search starts from: what a user's click would be.
+``plain from our seed``
+    The same, from our flow's own seed surface, which has passed the gate and is near the border already.
+``ours``
+    The very arrays that our flow gets: the smoothed partial difference around the object, where the object may lie at
+    all (the density gate), and the seed surface.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import selectors
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.segmentation.cache import Cache, digest, digest_arrays
+from benchmarks.segmentation.cases import ROOT, Case
+from benchmarks.segmentation.flows import recorded
+from benchmarks.segmentation.ours import ONE_THREAD, agreement
+from benchmarks.segmentation.peers import PEERS
+from shapery_geometry.rasterize import rasterize
+from shapery_geometry.volume import Volume
+from shapery_geometry.volume_io import read_volume
+from shapery_segmentation import segment
+from shapery_segmentation.brain import Brain, find_brain
+from shapery_segmentation.calibration import calibrate
+from shapery_segmentation.labels import fill_enclosed
+
+INPUTS = {
+    "plain": "the plain calibrated difference, a ball as seed",
+    "plain from our seed": "the plain calibrated difference, our seed surface",
+    "ours": "our input, leak gate and seed surface",
+}
+
+SEED_RADIUS = 3.0
+"""mm of the ball."""
+
+BoolArray = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Start:
+    """What a peer begins with: part of the working grid, one per object."""
+
+    box: tuple[slice, slice, slice]
+    field: NDArray[np.float32]
+    seed: BoolArray
+    allowed: BoolArray
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A case ready for the peers."""
+
+    case: Case
+    brain: Brain
+    post: Volume
+    starts: dict[str, list[Start]]
+    flow_cpu_seconds: float
+
+
+def prepare(case: Case) -> Prepared:
+    """Run our own segmentation once and note what each of its flows began with."""
+    post = read_volume(case.post)
+    pre = read_volume(case.pre) if case.pre is not None else None
+    with recorded() as flows:
+        found = segment(post, pre)
+    brain = find_brain(pre if pre is not None else post, post)
+    grid = brain.grid
+    calibration = calibrate(brain, post, pre)
+    plain = calibration.field
+    if pre is not None:
+        residual = grid.sample(post) - np.float32(calibration.slope) * grid.sample(pre) - np.float32(calibration.offset)
+        known = np.isfinite(residual) & brain.mask
+        centre = float(np.median(residual[known]))
+        mad = float(np.median(np.abs(residual[known] - centre)))
+        plain = np.where(known, (residual - np.float32(centre)) / np.float32(mad), np.float32(0)).astype(np.float32)
+    starts: dict[str, list[Start]] = {name: [] for name in INPUTS}
+    whole = tuple(slice(0, n) for n in grid.shape)
+    for flow in flows:
+        corner = np.rint(np.linalg.solve(grid.affine[:3, :3], flow.affine[:3, 3] - grid.affine[:3, 3])).astype(int)
+        box = tuple(slice(int(c), int(c) + n) for c, n in zip(corner, flow.field.shape, strict=True))
+        seed = rasterize(flow.seed, Volume(flow.field, flow.affine)) & flow.allowed
+        starts["ours"].append(Start(box, flow.field, seed, flow.allowed))
+        wide = np.zeros(grid.shape, dtype=np.bool_)
+        wide[box] = seed
+        starts["plain from our seed"].append(Start(whole, plain, wide, brain.mask))
+    for item in found.report.objects:
+        middle = np.linalg.solve(grid.affine[:3, :3], np.asarray(item.seed) - grid.affine[:3, 3])
+        near = sum((axis - m) ** 2 for axis, m in zip(np.ogrid[whole], middle, strict=True))
+        ball = np.asarray(near <= (SEED_RADIUS / grid.spacing) ** 2) & brain.mask
+        starts["plain"].append(Start(whole, plain, ball, brain.mask))
+    return Prepared(case, brain, post, starts, sum(flow.cpu_seconds for flow in flows))
+
+
+def measure(prepared: Prepared, given: str, peer: str, cache: Cache, time_limit: float) -> list[dict[str, Any]]:
+    """Return one row per setting: agreement with the reference, CPU seconds, or that it took too long."""
+    settings = PEERS[peer][2]
+    starts = prepared.starts[given]
+    rows: list[dict[str, Any]] = [{"setting": s, "cpu_seconds": 0.0, "peak_mib": 0.0, "late": False} for s in settings]
+    grid = prepared.brain.grid
+    found = [np.zeros(grid.shape, dtype=np.bool_) for _ in settings]
+
+    def run() -> list[dict[str, Any]]:
+        reference = read_volume(prepared.case.reference).data
+        for start in starts:
+            with tempfile.TemporaryDirectory() as name:
+                folder = Path(name)
+                np.savez(
+                    folder / "input.npz", field=start.field, seed=start.seed, allowed=start.allowed,
+                    spacing=grid.spacing,
+                )  # fmt: skip
+                for line in _lines(peer, folder, len(settings), time_limit):
+                    row = rows[line["number"]]
+                    row["cpu_seconds"] += line["cpu_seconds"]
+                    row["peak_mib"] = max(row["peak_mib"], line["peak_mib"])
+                    row["late"] |= line["late"]
+                    if not line["late"]:
+                        found[line["number"]][start.box] |= np.load(folder / f"{peer}-{line['number']}.npy")
+        for row, mask in zip(rows, found, strict=True):
+            core = fill_enclosed(mask, grid.spacing) | mask
+            row["enhancing"] = agreement(
+                grid.to_source(mask), np.isin(reference, prepared.case.enhancing), prepared.post
+            )
+            row["core"] = agreement(grid.to_source(core), np.isin(reference, prepared.case.core), prepared.post)
+        return rows
+
+    arrays = [part for start in starts for part in (start.field, start.seed, start.allowed)]
+    key = digest(settings, time_limit, digest_arrays(*arrays), (Path(__file__).parent / "peers.py").read_text())
+    result: list[dict[str, Any]] = cache.get(f"peer {prepared.case.name} {given} {peer}", key, run)
+    return result
+
+
+def _lines(peer: str, folder: Path, count: int, time_limit: float) -> list[dict[str, Any]]:
+    """Run all settings; one that takes longer than the limit is ended, and the rest goes on in another process."""
+    lines: list[dict[str, Any]] = []
+    while len(lines) < count:
+        numbers = [str(n) for n in range(len(lines), count)]
+        process = subprocess.Popen(
+            [sys.executable, "-m", "benchmarks.segmentation.peers", peer, str(folder), *numbers],
+            cwd=ROOT, env=os.environ | ONE_THREAD, stdout=subprocess.PIPE, bufsize=0,
+        )  # fmt: skip
+        assert process.stdout is not None
+        with process, selectors.DefaultSelector() as ready:
+            ready.register(process.stdout, selectors.EVENT_READ)
+            while len(lines) < count:
+                began = time.monotonic()
+                text = process.stdout.readline() if ready.select(time_limit) else None
+                if text is None:
+                    process.kill()
+                    lines.append(_late(len(lines), time.monotonic() - began))
+                    break
+                if not text:
+                    raise RuntimeError(f"{peer} ended without a word at setting {len(lines)}")
+                lines.append(json.loads(text) | {"late": False})
+    return lines
+
+
+def _late(number: int, seconds: float) -> dict[str, Any]:
+    return {"number": number, "cpu_seconds": seconds, "iterations": 0, "peak_mib": 0.0, "late": True}

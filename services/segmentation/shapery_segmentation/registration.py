@@ -1,0 +1,277 @@
+"""Rigid co-registration of two volumes of one head (S10, 3.3 and 3.5.1).
+
+Where a volume lies is told by its affine, so registration changes the affine and no voxel: nothing is interpolated
+twice, and a volume that already lies right comes back as it was.
+
+Agreement is the mutual information of the intensities of both (Viola and Wells, 1997; Mattes et al., 2003), which asks
+for no common scale and no common contrast. It is first measured where the volume lies and a little beside that place: a
+volume that agrees best where it is stays there, and the search is never begun.
+
+References
+----------
+Section 3.3 of the dissertation. D. Mattes et al., "PET-CT image registration in the chest using free-form
+deformations", IEEE Trans. Med. Imaging 22 (2003), doi:10.1109/TMI.2003.809072.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from shapery_geometry.volume import Volume
+from shapery_segmentation.preparation import averaged
+
+FloatArray = NDArray[np.float64]
+
+STEP = 2.0
+"""mm: volumes are averaged to voxels of about this size. The position of a head is then found to a fifth of it."""
+
+POINTS = 20_000
+"""Places in the head at which the volumes are compared."""
+
+BINS = 32
+"""Classes of intensity of either volume."""
+
+BESIDE_MM, BESIDE_DEGREES = 2.0, 2.0
+"""How far beside its place a volume is tried."""
+
+STILL_MM = 0.75
+"""A volume whose best place is nearer than this (over the head, mean) is not moved: the search itself is not surer."""
+
+LEAST_GAIN = 0.01
+"""Mutual information (nat) that a search must gain, beyond which a volume is moved; its own scatter is 0.003."""
+
+HEAD_RADIUS = 70.0
+"""mm at which a rotation is counted as a way."""
+
+LEVELS = ((4.0, 0.2), (2.0, 0.1))
+"""Voxel in mm and share of the voxels that are looked at, coarse to fine."""
+
+_STEPS_OF_SEARCH = 200
+
+
+@dataclass(frozen=True, eq=False)
+class Registration:
+    """Where one volume lies relative to another.
+
+    Parameters
+    ----------
+    transform : (4, 4) float64
+        Rigid, from where the moving volume's file says a point lies to where it lies in the fixed one, RAS mm.
+    moved
+        Whether `transform` is anything but the identity.
+    agreement, agreement_before
+        Mutual information in nat, at that place and where the file says.
+    """
+
+    transform: FloatArray
+    moved: bool
+    agreement: float
+    agreement_before: float
+
+    @property
+    def degrees(self) -> float:
+        """Angle of the rotation."""
+        return rotation_degrees(self.transform)
+
+    def shift(self, point: FloatArray) -> float:
+        """Return by how many mm a point of the moving volume is moved."""
+        return float(np.linalg.norm(self.transform[:3, :3] @ point + self.transform[:3, 3] - point))
+
+    def apply(self, volume: Volume) -> Volume:
+        """Return the moving volume where it lies in the fixed one; the very same if it was not moved."""
+        return Volume(volume.data, self.transform @ volume.affine, volume.warnings) if self.moved else volume
+
+
+def register(moving: Volume, fixed: Volume, *, rng: np.random.Generator) -> Registration:
+    """Find the rigid motion that brings `moving` onto `fixed`.
+
+    Parameters
+    ----------
+    moving, fixed
+        Of one head, on any grids, of any contrast.
+    rng
+        Chooses the places that are compared.
+
+    Notes
+    -----
+    The search is SimpleITK's: Mattes' mutual information, gradient descent, 4 mm and then 2 mm, from the place that the
+    files say and, where that is poor, from the place where the centres of both heads meet.
+    """
+    pair = _Pair(moving, fixed, rng)
+    before = pair.agreement(np.eye(4))
+    if pair.overlap(np.eye(4)) > 0.5 and pair.off(before) < STILL_MM:
+        return Registration(np.eye(4), False, before, before)
+    found = _search(pair, np.eye(4), int(rng.integers(1, 2**31)))
+    best = pair.agreement(found)
+    centred = pair.centred()
+    if np.linalg.norm(centred[:3, 3]) > 10.0:
+        other = _search(pair, centred, int(rng.integers(1, 2**31)))
+        if pair.agreement(other) > best:
+            found, best = other, pair.agreement(other)
+    if best < before + LEAST_GAIN:
+        return Registration(np.eye(4), False, before, before)
+    return Registration(found, True, best, before)
+
+
+def rotation_degrees(transform: FloatArray) -> float:
+    """Return the angle of a rigid transform's rotation."""
+    cosine = (float(np.trace(transform[:3, :3])) - 1.0) / 2.0
+    return float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
+
+
+def rigid(degrees: FloatArray | tuple[float, float, float], shift: Any, centre: Any) -> FloatArray:
+    """Return the rigid transform that turns about x, y and z (in this order) around `centre` and then shifts."""
+    a, b, c = np.deg2rad(np.asarray(degrees, dtype=np.float64))
+    x = np.array([[1, 0, 0], [0, np.cos(a), -np.sin(a)], [0, np.sin(a), np.cos(a)]])
+    y = np.array([[np.cos(b), 0, np.sin(b)], [0, 1, 0], [-np.sin(b), 0, np.cos(b)]])
+    z = np.array([[np.cos(c), -np.sin(c), 0], [np.sin(c), np.cos(c), 0], [0, 0, 1]])
+    transform = np.eye(4)
+    transform[:3, :3] = z @ y @ x
+    transform[:3, 3] = np.asarray(centre) - transform[:3, :3] @ np.asarray(centre) + np.asarray(shift)
+    return transform
+
+
+class _Pair:
+    """Both volumes, coarse, and the places at which they are compared."""
+
+    def __init__(self, moving: Volume, fixed: Volume, rng: np.random.Generator) -> None:
+        self.moving, self.fixed = _coarse(moving), _coarse(fixed)
+        head = _head(self.fixed)
+        index = np.argwhere(head)
+        self.centre = self.fixed.to_world(index.mean(axis=0))
+        moving_head = np.argwhere(_head(self.moving))
+        self.moving_centre = self.moving.to_world(moving_head.mean(axis=0))
+        chosen = index[rng.integers(0, len(index), POINTS)]
+        # Anywhere in the voxels: at their centres one volume would be interpolated and the other not, and agreement
+        # would jump where the grids meet.
+        self.points = self.fixed.to_world(chosen + rng.uniform(-0.5, 0.5, chosen.shape))
+        values, _ = _sampled(self.fixed, self.points)
+        self.fixed_bins = _bins(values)
+        low, high = np.percentile(self.moving.data[_head(self.moving)], (0.5, 99.5))
+        self.range = (float(min(low, self.moving.data.min())), float(high))
+
+    def overlap(self, transform: FloatArray) -> float:
+        """Return the share of the places that lie within the moving volume when it is moved."""
+        return float(np.mean(_sampled(self.moving, self._back(transform))[1]))
+
+    def agreement(self, transform: FloatArray) -> float:
+        """Return the mutual information in nat with the moving volume moved; 0 where they hardly overlap."""
+        values, inside = _sampled(self.moving, self._back(transform))
+        count = int(np.count_nonzero(inside))
+        if count < 0.2 * len(inside):
+            return 0.0
+        low, high = self.range
+        # A value counts for the two classes it lies between: the measure is then smooth in the place.
+        at = np.clip((values[inside] - low) / max(high - low, 1e-30), 0.0, 1.0) * (BINS - 2)
+        lower = at.astype(np.int64)
+        part = at - lower
+        cell = self.fixed_bins[inside] * BINS + lower
+        joint = np.bincount(cell, 1.0 - part, BINS * BINS) + np.bincount(cell + 1, part, BINS * BINS)
+        p = joint.reshape(BINS, BINS) / count
+        both = np.outer(p.sum(axis=1), p.sum(axis=0))
+        seen = p > 0
+        return float((p[seen] * np.log(p[seen] / both[seen])).sum())
+
+    def off(self, here: float) -> float:
+        """Return how far (mm) the volume lies from the nearby place of best agreement; infinite if that is not near."""
+        squares = 0.0
+        for axis in range(6):
+            step = np.zeros(6)
+            step[axis] = BESIDE_MM if axis < 3 else BESIDE_DEGREES
+            back = self.agreement(rigid(-step[3:], -step[:3], self.centre))
+            forth = self.agreement(rigid(step[3:], step[:3], self.centre))
+            bend = 2.0 * here - back - forth
+            if here <= max(back, forth) or bend <= 0:
+                return float("inf")
+            # The top of the parabola through the three; between points and over a head a turn moves by its arc.
+            way = 0.5 * (forth - back) / bend * (BESIDE_MM if axis < 3 else np.deg2rad(BESIDE_DEGREES) * HEAD_RADIUS)
+            squares += way**2
+        return float(np.sqrt(squares))
+
+    def centred(self) -> FloatArray:
+        """Return the shift that brings the centre of the moving head to that of the fixed one."""
+        transform = np.eye(4)
+        transform[:3, 3] = self.centre - self.moving_centre
+        return transform
+
+    def _back(self, transform: FloatArray) -> FloatArray:
+        inverse = np.linalg.inv(transform)
+        return np.asarray(self.points @ inverse[:3, :3].T + inverse[:3, 3])
+
+
+def _coarse(volume: Volume) -> Volume:
+    coarse = averaged(volume.filled().canonical()[0], STEP)
+    return Volume(np.ascontiguousarray(coarse.data, dtype=np.float32), coarse.affine)
+
+
+def _head(volume: Volume) -> NDArray[np.bool_]:
+    """Return roughly where tissue is: brighter than a share of the bright part."""
+    data = volume.data
+    low, high = float(data.min()), float(np.percentile(data, 98.0))
+    mask = np.asarray(data > low + 0.15 * (high - low))
+    return mask if mask.any() else np.ones(data.shape, dtype=np.bool_)
+
+
+def _bins(values: NDArray[np.floating]) -> NDArray[np.int64]:
+    low, high = np.percentile(values, (0.5, 99.5))
+    return (np.clip((values - low) / max(float(high - low), 1e-30), 0.0, 1.0) * (BINS - 1)).astype(np.int64)
+
+
+def _sampled(volume: Volume, points: FloatArray) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+    """Return interpolated values at points in RAS mm, and which of them lie in the volume."""
+    index = volume.to_index(points)
+    inside = ((index >= -0.5) & (index <= np.array(volume.shape) - 0.5)).all(axis=1)
+    return ndimage.map_coordinates(volume.data, index.T, order=1, mode="nearest"), inside
+
+
+def _search(pair: _Pair, start: FloatArray, seed: int) -> FloatArray:
+    """Return the place of best mutual information that SimpleITK finds from `start`."""
+    import SimpleITK as sitk  # noqa: N813
+
+    initial = sitk.Euler3DTransform()
+    # SimpleITK maps points of the fixed volume into the moving one: the inverse of what is looked for.
+    back = np.linalg.inv(start)
+    initial.SetMatrix(back[:3, :3].ravel().tolist())
+    initial.SetCenter(pair.centre.tolist())
+    initial.SetTranslation((back[:3, :3] @ pair.centre + back[:3, 3] - pair.centre).tolist())
+    method = sitk.ImageRegistrationMethod()
+    # More threads add in another order each time, and the last digits would differ.
+    method.SetNumberOfThreads(1)
+    method.SetMetricAsMattesMutualInformation(BINS)
+    method.SetMetricSamplingStrategy(method.RANDOM)
+    method.SetMetricSamplingPercentagePerLevel([share for _, share in LEVELS], seed)
+    method.SetInterpolator(sitk.sitkLinear)
+    method.SetOptimizerAsRegularStepGradientDescent(
+        learningRate=2.0, minStep=0.005, numberOfIterations=_STEPS_OF_SEARCH, relaxationFactor=0.6,
+        gradientMagnitudeTolerance=1e-6,
+    )  # fmt: skip
+    method.SetOptimizerScalesFromPhysicalShift()
+    method.SetShrinkFactorsPerLevel([round(step / STEP) for step, _ in LEVELS])
+    method.SetSmoothingSigmasPerLevel([0.5 * step for step, _ in LEVELS])
+    method.SmoothingSigmasAreSpecifiedInPhysicalUnitsOn()
+    method.SetInitialTransform(initial, inPlace=True)
+    method.Execute(_itk_image(pair.fixed), _itk_image(pair.moving))
+    forward = np.eye(4)
+    forward[:3, :3] = np.array(initial.GetMatrix()).reshape(3, 3)
+    centre = np.array(initial.GetCenter())
+    forward[:3, 3] = centre + np.array(initial.GetTranslation()) - forward[:3, :3] @ centre
+    return np.asarray(np.linalg.inv(forward))
+
+
+def _itk_image(volume: Volume) -> Any:
+    """Return a volume for SimpleITK, in the frame RAS: axes as columns of the direction, no flip to LPS."""
+    import SimpleITK as sitk  # noqa: N813
+
+    image = sitk.GetImageFromArray(np.ascontiguousarray(volume.data.transpose(2, 1, 0)))
+    spacing = np.array(volume.spacing)
+    # ITK takes rotations only: the nearest one to axes that are sheared or mirrored.
+    axes = volume.affine[:3, :3] / spacing
+    image.SetSpacing(spacing.tolist())
+    image.SetDirection(axes.ravel().tolist())
+    image.SetOrigin(volume.affine[:3, 3].tolist())
+    return image
