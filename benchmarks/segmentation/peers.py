@@ -181,7 +181,7 @@ PEERS: dict[str, tuple[str, Callable[..., Any], list[Setting]]] = {
             advection=(1.0, 3.0),
             iterations=(300,),
         ),
-    ),  # fmt: skip
+    ),
     "fast_marching": (
         "ITK fast marching",
         fast_marching,

@@ -15,6 +15,7 @@ deformations", IEEE Trans. Med. Imaging 22 (2003), doi:10.1109/TMI.2003.809072.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from shapery_contracts.errors import InvalidInput
 from shapery_geometry.volume import Volume
 from shapery_segmentation.preparation import averaged
 
@@ -39,17 +41,38 @@ BINS = 32
 BESIDE_MM, BESIDE_DEGREES = 2.0, 2.0
 """How far beside its place a volume is tried."""
 
-STILL_MM = 0.75
-"""A volume whose best place is nearer than this (over the head, mean) is not moved: the search itself is not surer."""
+STILL_MM = 0.5
+"""A volume whose best place is nearer than this is not moved: the search itself is hardly surer."""
 
-LEAST_GAIN = 0.01
-"""Mutual information (nat) that a search must gain, beyond which a volume is moved; its own scatter is 0.003."""
+NEAR_MM = 3.0
+"""A volume whose best place is nearer than this needs no coarse search."""
+
+LEAST_GAIN = 0.005
+"""Mutual information (nat) that a search must gain for the volume to be moved."""
 
 HEAD_RADIUS = 70.0
 """mm at which a rotation is counted as a way."""
 
-LEVELS = ((4.0, 0.2), (2.0, 0.1))
-"""Voxel in mm and share of the voxels that are looked at, coarse to fine."""
+BAND = (1.0, 3.0)
+"""mm: deviations of the two Gaussians whose difference keeps sulci and ventricles, and drops noise and brightness."""
+
+DEPTH = 8.0
+"""mm below the surface of the head, or of the stripped brain, from which fine structure is compared: all surfaces are
+alike once they lie on each other."""
+
+DIFFERENT, DOUBTFUL = 0.12, 0.18
+"""Correlation of the fine structure below which two volumes do not show one brain, and below which that is in doubt.
+On real cases, volumes of one subject before and after contrast have 0.23 to 0.66, those of two subjects −0.02 to
+0.12."""
+
+FINE_ENOUGH = 3.5
+"""mm: where voxels are longer, fine structure is averaged away, and unlike volumes are only warned of."""
+
+LEVELS = (4.0, 2.0)
+"""Voxels in mm of the search, coarse to fine."""
+
+SEARCHED = 40_000
+"""Voxels that the search looks at."""
 
 _STEPS_OF_SEARCH = 200
 
@@ -66,12 +89,15 @@ class Registration:
         Whether `transform` is anything but the identity.
     agreement, agreement_before
         Mutual information in nat, at that place and where the file says.
+    likeness
+        Correlation of the fine structure of both at that place: tells one head from two.
     """
 
     transform: FloatArray
     moved: bool
     agreement: float
     agreement_before: float
+    likeness: float
 
     @property
     def degrees(self) -> float:
@@ -104,18 +130,65 @@ def register(moving: Volume, fixed: Volume, *, rng: np.random.Generator) -> Regi
     """
     pair = _Pair(moving, fixed, rng)
     before = pair.agreement(np.eye(4))
-    if pair.overlap(np.eye(4)) > 0.5 and pair.off(before) < STILL_MM:
-        return Registration(np.eye(4), False, before, before)
-    found = _search(pair, np.eye(4), int(rng.integers(1, 2**31)))
+    off = pair.off(before) if pair.overlap(np.eye(4)) > 0.5 else float("inf")
+    if off < STILL_MM:
+        return Registration(np.eye(4), False, before, before, pair.likeness(np.eye(4)))
+    levels = LEVELS[1:] if off < NEAR_MM else LEVELS
+    found = _search(pair, np.eye(4), levels, int(rng.integers(1, 2**31)))
     best = pair.agreement(found)
     centred = pair.centred()
-    if np.linalg.norm(centred[:3, 3]) > 10.0:
-        other = _search(pair, centred, int(rng.integers(1, 2**31)))
+    if off >= NEAR_MM and np.linalg.norm(centred[:3, 3]) > 10.0:
+        other = _search(pair, centred, levels, int(rng.integers(1, 2**31)))
         if pair.agreement(other) > best:
             found, best = other, pair.agreement(other)
     if best < before + LEAST_GAIN:
-        return Registration(np.eye(4), False, before, before)
-    return Registration(found, True, best, before)
+        return Registration(np.eye(4), False, before, before, pair.likeness(np.eye(4)))
+    return Registration(found, True, best, before, pair.likeness(found))
+
+
+def align(moving: Volume, fixed: Volume, warnings: list[str], *, rng: np.random.Generator) -> tuple[Volume, float]:
+    """Return the volume before contrast where it lies in the one after it, and how sure it is that both are one head.
+
+    Parameters
+    ----------
+    moving, fixed
+        Before and after contrast.
+    warnings
+        A sentence is added where the volume was moved, and where it is in doubt whether both show one head.
+    rng
+        See `register`.
+
+    Returns
+    -------
+    The volume, and a factor in (0, 1] for the confidence of what is found.
+
+    Raises
+    ------
+    InvalidInput
+        ``different_subjects`` where the two have no fine structure in common.
+    """
+    found = register(moving, fixed, rng=rng)
+    if found.moved:
+        way = found.shift(moving.to_world((np.array(moving.shape) - 1) / 2))
+        warnings.append(
+            f"The volume before contrast was moved by {way:.1f} mm and turned by {found.degrees:.1f}° onto the one "
+            "after contrast."
+        )
+    if found.likeness >= DOUBTFUL:
+        return found.apply(moving), 1.0
+    fine = max(*moving.spacing, *fixed.spacing) <= FINE_ENOUGH
+    if fine and found.likeness < DIFFERENT:
+        raise InvalidInput(
+            "different_subjects",
+            f"The volumes before and after contrast do not show the same head (their fine structure correlates by "
+            f"{found.likeness:.2f}; in one head by 0.23 and more).",
+            "Give two T1-weighted volumes of one patient and one session.",
+        )
+    warnings.append(
+        f"It is in doubt whether both volumes show the same head (their fine structure correlates by "
+        f"{found.likeness:.2f}): check the result."
+    )
+    return found.apply(moving), 0.5
 
 
 def rotation_degrees(transform: FloatArray) -> float:
@@ -199,6 +272,26 @@ class _Pair:
         transform[:3, 3] = self.centre - self.moving_centre
         return transform
 
+    def likeness(self, transform: FloatArray) -> float:
+        """Return the correlation of the fine structure deep in both heads, with the moving volume moved."""
+        back = self._back(transform)
+        deep = np.ones(len(back), dtype=np.bool_)
+        values = []
+        for volume, points in ((self.fixed, self.points), (self.moving, back)):
+            sides = np.array(volume.spacing)
+            head = ndimage.binary_fill_holes(_head(volume))
+            depth = ndimage.distance_transform_edt(np.pad(head, 1), sides)[1:-1, 1:-1, 1:-1]
+            deep &= _sampled(Volume((depth > DEPTH).astype(np.float32), volume.affine), points)[0] > 0.9
+            fine, coarse = (ndimage.gaussian_filter(volume.data, sigma / sides) for sigma in BAND)
+            values.append(_sampled(Volume(fine - coarse, volume.affine), points)[0])
+        if np.count_nonzero(deep) < 100:
+            return 0.0
+        # Vessels and tumors, which only one of the two shows, are cut off.
+        a, b = (np.clip(v[deep], *np.percentile(v[deep], (5.0, 95.0))) for v in values)
+        if not a.std() * b.std() > 0:
+            return 0.0
+        return float(np.corrcoef(a, b)[0, 1])
+
     def _back(self, transform: FloatArray) -> FloatArray:
         inverse = np.linalg.inv(transform)
         return np.asarray(self.points @ inverse[:3, :3].T + inverse[:3, 3])
@@ -229,7 +322,7 @@ def _sampled(volume: Volume, points: FloatArray) -> tuple[NDArray[np.float32], N
     return ndimage.map_coordinates(volume.data, index.T, order=1, mode="nearest"), inside
 
 
-def _search(pair: _Pair, start: FloatArray, seed: int) -> FloatArray:
+def _search(pair: _Pair, start: FloatArray, levels: Sequence[float], seed: int) -> FloatArray:
     """Return the place of best mutual information that SimpleITK finds from `start`."""
     import SimpleITK as sitk  # noqa: N813
 
@@ -244,15 +337,17 @@ def _search(pair: _Pair, start: FloatArray, seed: int) -> FloatArray:
     method.SetNumberOfThreads(1)
     method.SetMetricAsMattesMutualInformation(BINS)
     method.SetMetricSamplingStrategy(method.RANDOM)
-    method.SetMetricSamplingPercentagePerLevel([share for _, share in LEVELS], seed)
+    method.SetMetricSamplingPercentagePerLevel(
+        [min(1.0, SEARCHED * round(step / STEP) ** 3 / pair.fixed.data.size) for step in levels], seed
+    )
     method.SetInterpolator(sitk.sitkLinear)
     method.SetOptimizerAsRegularStepGradientDescent(
         learningRate=2.0, minStep=0.005, numberOfIterations=_STEPS_OF_SEARCH, relaxationFactor=0.6,
         gradientMagnitudeTolerance=1e-6,
     )  # fmt: skip
     method.SetOptimizerScalesFromPhysicalShift()
-    method.SetShrinkFactorsPerLevel([round(step / STEP) for step, _ in LEVELS])
-    method.SetSmoothingSigmasPerLevel([0.5 * step for step, _ in LEVELS])
+    method.SetShrinkFactorsPerLevel([round(step / STEP) for step in levels])
+    method.SetSmoothingSigmasPerLevel([0.5 * step for step in levels])
     method.SmoothingSigmasAreSpecifiedInPhysicalUnitsOn()
     method.SetInitialTransform(initial, inPlace=True)
     method.Execute(_itk_image(pair.fixed), _itk_image(pair.moving))

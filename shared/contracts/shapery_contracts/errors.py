@@ -89,6 +89,7 @@ ERROR_CODES: Final = _registry(
     ErrorCode("invalid_mesh", 422, "The mesh cannot be used as it is."),
     ErrorCode("inconsistent_sequence", 422, "The frames of the sequence do not share their connectivity."),
     ErrorCode("grid_mismatch", 422, "Two volumes that belong together do not lie on the same grid."),
+    ErrorCode("different_subjects", 422, "Two volumes that belong together do not show the same anatomy."),
     ErrorCode("no_object_found", 422, "Nothing was found that the method could segment."),
     ErrorCode("missing_dependency", 501, "This needs a system library that is not installed here."),
 )
