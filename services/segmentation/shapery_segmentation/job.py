@@ -17,7 +17,7 @@ READ, WORK = 0.1, 0.85
 
 
 class SegmentationHandler:
-    """Inputs ``post`` and, optionally, ``pre``; outputs as `shapery_segmentation.write_outputs` names them."""
+    """Inputs ``post``, if given ``pre`` and ``vessels``; outputs as `shapery_segmentation.write_outputs` names them."""
 
     kind: ClassVar[str] = "segmentation"
 
@@ -40,7 +40,7 @@ class SegmentationHandler:
         context.stage("read", 0.0)
         start = time.perf_counter()
         volumes = {}
-        for name in ("post", "pre"):
+        for name in ("post", "pre", "vessels"):
             if name in inputs:
                 context.check_cancelled()
                 volumes[name] = read_volume(inputs[name])
@@ -60,6 +60,7 @@ class SegmentationHandler:
         result = segment(
             volumes["post"],
             volumes.get("pre"),
+            volumes.get("vessels"),
             params=params,
             on_progress=on_progress,
             check_cancelled=context.check_cancelled,

@@ -15,11 +15,13 @@ from shapery_geometry.rasterize import rasterize
 from shapery_geometry.volume import Volume
 from shapery_segmentation.brain import Brain
 from shapery_segmentation.calibration import Calibration
-from shapery_segmentation.flow.normal import NormalFlowParams, normal_flow
+from shapery_segmentation.evolution import Frame, Recorder
+from shapery_segmentation.flow.normal import FlowState, NormalFlowParams, normal_flow
 from shapery_segmentation.gate import Region, reach
 from shapery_segmentation.labels import close_seam, enhancing_part, fill_enclosed
 from shapery_segmentation.seeding.ball import seed_ball, surface_of
 from shapery_segmentation.seeding.candidates import LEAST_WEIGHT, Candidate
+from shapery_segmentation.shrinking import shrinking_note
 
 FloatArray = NDArray[np.float32]
 BoolArray = NDArray[np.bool_]
@@ -66,6 +68,14 @@ class Recovered:
         Voxels of the enhancing part, and of what it encloses, on the grid that was given.
     threshold, iterations, converged
         Of the flow.
+    seed_mm3
+        Volume that the seed surface enclosed.
+    frames
+        The surface on its way.
+    polarity
+        Relative to what surrounds it.
+    notes
+        Sentences for the user.
     """
 
     seed: NDArray[np.float64]
@@ -77,6 +87,10 @@ class Recovered:
     threshold: float
     iterations: int
     converged: bool
+    seed_mm3: float
+    frames: tuple[Frame, ...] = ()
+    polarity: Literal["bright", "dark", "between"] = "bright"
+    notes: tuple[str, ...] = ()
 
 
 def recover(
@@ -217,9 +231,11 @@ def _recover_one(
     check_cancelled: Callable[[], None],
 ) -> Recovered | None:
     start = flow_start(brain, calibration, region, params)
+    recorder = Recorder()
 
-    def on_iteration(*_: object) -> None:
+    def on_iteration(state: FlowState) -> None:
         check_cancelled()
+        recorder.watch(state)
 
     flow = normal_flow(
         start.field,
@@ -233,6 +249,7 @@ def _recover_one(
     check_cancelled()
     if flow.vanished:
         return None
+    note = shrinking_note(start.seed, flow.mesh, start.field, start.affine, flow.threshold)
     inside, enclosed = _voxels(brain, region, start, flow.mesh, flow.threshold)
     return Recovered(
         seed=start.point,
@@ -244,6 +261,9 @@ def _recover_one(
         threshold=float(flow.threshold),
         iterations=int(flow.iterations),
         converged=bool(flow.converged),
+        seed_mm3=float(start.seed.volume),
+        frames=recorder.frames(flow.mesh),
+        notes=() if note is None else (note,),
     )
 
 

@@ -17,13 +17,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
 from shapery_contracts.errors import InvalidInput
+from shapery_contracts.segmentation import Alignment
 from shapery_geometry.volume import Volume
 from shapery_segmentation.preparation import averaged
 
@@ -65,6 +66,11 @@ DIFFERENT, DOUBTFUL = 0.12, 0.18
 On real cases, volumes of one subject before and after contrast have 0.23 to 0.66, those of two subjects −0.02 to
 0.12."""
 
+LEAST_OVERLAP = 0.3
+"""Share of the head that must lie in both volumes to tell whether they show one."""
+
+TITLES = {"pre": "volume before contrast", "vessels": "volume that shows vessels"}
+
 FINE_ENOUGH = 3.5
 """mm: where voxels are longer, fine structure is averaged away, and unlike volumes are only warned of."""
 
@@ -91,6 +97,8 @@ class Registration:
         Mutual information in nat, at that place and where the file says.
     likeness
         Correlation of the fine structure of both at that place: tells one head from two.
+    overlaps
+        Whether enough of the heads lies in both volumes for that.
     """
 
     transform: FloatArray
@@ -98,6 +106,7 @@ class Registration:
     agreement: float
     agreement_before: float
     likeness: float
+    overlaps: bool
 
     @property
     def degrees(self) -> float:
@@ -132,29 +141,43 @@ def register(moving: Volume, fixed: Volume, *, rng: np.random.Generator) -> Regi
     before = pair.agreement(np.eye(4))
     off = pair.off(before) if pair.overlap(np.eye(4)) > 0.5 else float("inf")
     if off < STILL_MM:
-        return Registration(np.eye(4), False, before, before, pair.likeness(np.eye(4)))
+        return pair.result(np.eye(4), False, before)
     levels = LEVELS[1:] if off < NEAR_MM else LEVELS
-    found = _search(pair, np.eye(4), levels, int(rng.integers(1, 2**31)))
-    best = pair.agreement(found)
+    starts = [np.eye(4)] if pair.overlap(np.eye(4)) > LEAST_OVERLAP else []
     centred = pair.centred()
-    if off >= NEAR_MM and np.linalg.norm(centred[:3, 3]) > 10.0:
-        other = _search(pair, centred, levels, int(rng.integers(1, 2**31)))
-        if pair.agreement(other) > best:
-            found, best = other, pair.agreement(other)
+    if not starts or (off >= NEAR_MM and np.linalg.norm(centred[:3, 3]) > 10.0):
+        starts.append(centred)
+    ends = [_search(pair, start, levels, int(rng.integers(1, 2**31))) for start in starts]
+    found = max(ends, key=pair.agreement)
+    best = pair.agreement(found)
     if best < before + LEAST_GAIN:
-        return Registration(np.eye(4), False, before, before, pair.likeness(np.eye(4)))
-    return Registration(found, True, best, before, pair.likeness(found))
+        return pair.result(np.eye(4), False, before)
+    return pair.result(found, True, before)
 
 
-def align(moving: Volume, fixed: Volume, warnings: list[str], *, rng: np.random.Generator) -> tuple[Volume, float]:
-    """Return the volume before contrast where it lies in the one after it, and how sure it is that both are one head.
+def align(
+    moving: Volume,
+    fixed: Volume,
+    name: Literal["pre", "vessels"],
+    move: bool,
+    alignments: list[Alignment],
+    warnings: list[str],
+    *,
+    rng: np.random.Generator,
+) -> tuple[Volume, float]:
+    """Return a volume where it lies in the one after contrast, and how sure it is that both show one head.
 
     Parameters
     ----------
     moving, fixed
-        Before and after contrast.
-    warnings
-        A sentence is added where the volume was moved, and where it is in doubt whether both show one head.
+        The volume named `name`, and the one after contrast.
+    name
+        ``pre`` is of the same kind as `fixed`, so its fine structure must be the same; of ``vessels`` nothing is asked.
+    move
+        Whether it may be moved; otherwise it is only compared.
+    alignments, warnings
+        What was found is added; a sentence where the volume was moved, and where it is in doubt whether both show one
+        head.
     rng
         See `register`.
 
@@ -165,23 +188,33 @@ def align(moving: Volume, fixed: Volume, warnings: list[str], *, rng: np.random.
     Raises
     ------
     InvalidInput
-        ``different_subjects`` where the two have no fine structure in common.
+        ``different_subjects`` where the volume before contrast has no fine structure in common with the one after it.
     """
-    found = register(moving, fixed, rng=rng)
-    if found.moved:
-        way = found.shift(moving.to_world((np.array(moving.shape) - 1) / 2))
-        warnings.append(
-            f"The volume before contrast was moved by {way:.1f} mm and turned by {found.degrees:.1f}° onto the one "
-            "after contrast."
+    found = register(moving, fixed, rng=rng) if move else compare(moving, fixed, rng=rng)
+    way = found.shift(moving.to_world((np.array(moving.shape) - 1) / 2))
+    alignments.append(
+        Alignment(
+            input=name,
+            moved=found.moved,
+            shift_mm=round(way, 3),
+            degrees=round(found.degrees, 3),
+            mutual_information_before=round(found.agreement_before, 4),
+            mutual_information=round(found.agreement, 4),
         )
-    if found.likeness >= DOUBTFUL:
+    )
+    if found.moved:
+        warnings.append(
+            f"The {TITLES[name]} was moved by {way:.1f} mm and turned by {found.degrees:.1f}° onto the one after "
+            "contrast."
+        )
+    if name != "pre" or found.likeness >= DOUBTFUL or not found.overlaps:
         return found.apply(moving), 1.0
     fine = max(*moving.spacing, *fixed.spacing) <= FINE_ENOUGH
     if fine and found.likeness < DIFFERENT:
         raise InvalidInput(
             "different_subjects",
-            f"The volumes before and after contrast do not show the same head (their fine structure correlates by "
-            f"{found.likeness:.2f}; in one head by 0.23 and more).",
+            f"The volumes before and after contrast do not show the same head: their fine structure correlates by "
+            f"{found.likeness:.2f}, in one head by 0.23 and more.",
             "Give two T1-weighted volumes of one patient and one session.",
         )
     warnings.append(
@@ -189,6 +222,12 @@ def align(moving: Volume, fixed: Volume, warnings: list[str], *, rng: np.random.
         f"{found.likeness:.2f}): check the result."
     )
     return found.apply(moving), 0.5
+
+
+def compare(moving: Volume, fixed: Volume, *, rng: np.random.Generator) -> Registration:
+    """Return how well two volumes agree where they lie, without moving any."""
+    pair = _Pair(moving, fixed, rng)
+    return pair.result(np.eye(4), False, pair.agreement(np.eye(4)))
 
 
 def rotation_degrees(transform: FloatArray) -> float:
@@ -272,6 +311,12 @@ class _Pair:
         transform[:3, 3] = self.centre - self.moving_centre
         return transform
 
+    def result(self, transform: FloatArray, moved: bool, before: float) -> Registration:
+        """Return the registration with this transform."""
+        likeness = self.likeness(transform)
+        after = self.agreement(transform) if moved else before
+        return Registration(transform, moved, after, before, likeness, self.overlap(transform) > LEAST_OVERLAP)
+
     def likeness(self, transform: FloatArray) -> float:
         """Return the correlation of the fine structure deep in both heads, with the moving volume moved."""
         back = self._back(transform)
@@ -280,8 +325,8 @@ class _Pair:
         for volume, points in ((self.fixed, self.points), (self.moving, back)):
             sides = np.array(volume.spacing)
             head = ndimage.binary_fill_holes(_head(volume))
-            depth = ndimage.distance_transform_edt(np.pad(head, 1), sides)[1:-1, 1:-1, 1:-1]
-            deep &= _sampled(Volume((depth > DEPTH).astype(np.float32), volume.affine), points)[0] > 0.9
+            inner = ndimage.binary_erosion(head, iterations=max(1, round(DEPTH / float(sides.min()))))
+            deep &= _sampled(Volume(inner.astype(np.float32), volume.affine), points)[0] > 0.9
             fine, coarse = (ndimage.gaussian_filter(volume.data, sigma / sides) for sigma in BAND)
             values.append(_sampled(Volume(fine - coarse, volume.affine), points)[0])
         if np.count_nonzero(deep) < 100:
@@ -312,13 +357,14 @@ def _head(volume: Volume) -> NDArray[np.bool_]:
 
 def _bins(values: NDArray[np.floating]) -> NDArray[np.int64]:
     low, high = np.percentile(values, (0.5, 99.5))
-    return (np.clip((values - low) / max(float(high - low), 1e-30), 0.0, 1.0) * (BINS - 1)).astype(np.int64)
+    scaled = np.clip((values - low) / max(float(high - low), 1e-30), 0.0, 1.0) * (BINS - 1)
+    return np.asarray(scaled, dtype=np.int64)
 
 
 def _sampled(volume: Volume, points: FloatArray) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
     """Return interpolated values at points in RAS mm, and which of them lie in the volume."""
     index = volume.to_index(points)
-    inside = ((index >= -0.5) & (index <= np.array(volume.shape) - 0.5)).all(axis=1)
+    inside = np.asarray(((index >= -0.5) & (index <= np.array(volume.shape) - 0.5)).all(axis=1))
     return ndimage.map_coordinates(volume.data, index.T, order=1, mode="nearest"), inside
 
 
@@ -350,7 +396,10 @@ def _search(pair: _Pair, start: FloatArray, levels: Sequence[float], seed: int) 
     method.SetSmoothingSigmasPerLevel([0.5 * step for step in levels])
     method.SmoothingSigmasAreSpecifiedInPhysicalUnitsOn()
     method.SetInitialTransform(initial, inPlace=True)
-    method.Execute(_itk_image(pair.fixed), _itk_image(pair.moving))
+    try:
+        method.Execute(_itk_image(pair.fixed), _itk_image(pair.moving))
+    except RuntimeError:  # it ran to where the two don't overlap: nothing is to be found from this start
+        return start
     forward = np.eye(4)
     forward[:3, :3] = np.array(initial.GetMatrix()).reshape(3, 3)
     centre = np.array(initial.GetCenter())

@@ -82,15 +82,16 @@ register_kind(
     JobKind(
         name="segmentation",
         service="segmentation",
-        summary="Recover the surface of an enhancing brain tumor from T1 volumes before and after contrast.",
+        summary="Recover tumors, vessels and bleedings from volumes of a head, or any object that a seed points at.",
         inputs={
             "post": InputSpec(_VOLUME, "The volume after contrast (T1c); results lie on its grid.", many=True),
             "pre": InputSpec(_VOLUME, "The volume before contrast (T1).", required=False, many=True),
+            "vessels": InputSpec(_VOLUME, "A volume that shows vessels: SWI, MRA or CTA.", required=False, many=True),
         },
         params=SegmentationParams,
         result=SegmentationResult,
         time_limit=1800.0,
-        stages=("read", "calibrate", "seed", "evolve", "label", "write"),
+        stages=("read", "register", "calibrate", "seed", "evolve", "vessels", "label", "write"),
     )
 )
 

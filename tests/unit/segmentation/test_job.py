@@ -54,14 +54,18 @@ def test_a_job_leaves_its_files_and_returns_its_report(files: dict[str, Path], t
     context = Context(tmp_path)
     result = SegmentationHandler().run(SegmentationParams(), files, context)
     kind = get_kind(SegmentationHandler.kind)
-    assert tuple(context.stages) == kind.stages
-    assert tuple(stage.name for stage in result.stages) == kind.stages
+    # Without a volume that shows vessels there is no such stage.
+    stages = tuple(stage for stage in kind.stages if stage != "vessels")
+    assert tuple(context.stages) == stages
+    assert tuple(stage.name for stage in result.stages) == stages
     assert context.fractions == sorted(context.fractions)
     assert context.fractions[0] == 0.0
     assert context.fractions[-1] == 1.0
     assert len(result.objects) == 1
     written = {str(p.relative_to(context.output)) for p in context.output.rglob("*") if p.is_file()}
-    assert written == {"labels.nii.gz", "surface.ply", "surfaces/1.ply", "scene.glb", "report.json"}
+    assert written == {
+        "labels.nii.gz", "surface.ply", "surfaces/1.ply", "scene.glb", "evolution.bin", "report.json",
+    }  # fmt: skip
     assert json.loads((context.output / "report.json").read_text()) == result.model_dump(mode="json")
 
 

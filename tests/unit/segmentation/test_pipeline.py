@@ -19,6 +19,7 @@ from shapery_geometry.volume_io import read_volume
 from shapery_segmentation import Segmentation, segment, write_outputs
 from shapery_segmentation.objects import spread
 from shapery_segmentation.phantoms import HeadPhantom, TumorSpec, head_phantom
+from shapery_segmentation.registration import rigid
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +56,7 @@ def test_the_report_tells_the_truth_about_the_surface(result: Segmentation, head
     assert result.report.voxel_counts == {str(v): int(counts[v]) for v in (1, 2, 3, 4)}
     voxel = head.post.voxel_volume
     assert item.core_volume_mm3 == pytest.approx((counts[1] + counts[2]) * voxel)
-    assert [stage.name for stage in result.report.stages] == ["calibrate", "seed", "evolve", "label"]
+    assert [stage.name for stage in result.report.stages] == ["register", "calibrate", "seed", "evolve", "label"]
     assert result.report.versions["shapery-segmentation"]
     # Labels follow the surface: they differ by closed seams, and by flecks inside that do not enhance.
     inside = rasterize(surface, head.post)
@@ -141,14 +142,16 @@ def test_the_same_input_gives_the_same_bytes(head: HeadPhantom, result: Segmenta
     assert again.surfaces[0].same_as(result.surfaces[0])
     for name, one in (("a", result), ("b", again)):
         write_outputs(one, tmp_path / name)
-    for name in ("labels.nii.gz", "surface.ply", "scene.glb", "surfaces/1.ply"):
+    for name in ("labels.nii.gz", "surface.ply", "scene.glb", "surfaces/1.ply", "evolution.bin"):
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
 
 
 def test_outputs_are_read_back(head: HeadPhantom, result: Segmentation, tmp_path: Path) -> None:
     write_outputs(result, tmp_path / "out")
     names = {str(p.relative_to(tmp_path / "out")) for p in (tmp_path / "out").rglob("*") if p.is_file()}
-    assert names == {"labels.nii.gz", "surface.ply", "surfaces/1.ply", "scene.glb", "report.json"}
+    assert names == {
+        "labels.nii.gz", "surface.ply", "surfaces/1.ply", "scene.glb", "evolution.bin", "report.json",
+    }  # fmt: skip
     labels = read_volume(tmp_path / "out" / "labels.nii.gz")
     assert labels.same_grid(head.post)
     np.testing.assert_array_equal(labels.data, result.labels.data)
@@ -199,10 +202,20 @@ def test_another_grid_of_the_same_frame_is_resampled(head: HeadPhantom) -> None:
     result = segment(head.post, Volume(moved.data, affine))
     assert any("resampled" in warning for warning in result.report.warnings)
     assert overlaps(result, head)[1] > 0.8
-    away = affine.copy()
-    away[:3, 3] += 400
+
+
+def test_a_volume_that_lies_elsewhere_is_moved_unless_that_is_forbidden(
+    head: HeadPhantom, result: Segmentation
+) -> None:
+    away = Volume(head.pre.data, rigid((3.0, -5.0, 8.0), (400.0, 20.0, -10.0), (0.0, 0.0, 0.0)) @ head.pre.affine)
+    moved = segment(head.post, away)
+    (alignment,) = moved.report.alignments
+    assert alignment.moved
+    assert any("was moved by" in warning for warning in moved.report.warnings)
+    assert intersection_over_union(moved.labels.data == 1, result.labels.data == 1) > 0.9
+    assert not result.report.alignments[0].moved
     with pytest.raises(InvalidInput) as caught:
-        segment(head.post, Volume(moved.data, away))
+        segment(head.post, away, params=SegmentationParams(register_volumes=False))
     assert caught.value.code == "grid_mismatch"
 
 
@@ -219,7 +232,7 @@ def test_cancelling_passes_through_from_every_stage(head: HeadPhantom) -> None:
     fractions = [fraction for _, fraction in stages]
     assert fractions == sorted(fractions)
     assert fractions[-1] == 1.0
-    assert list(dict.fromkeys(stage for stage, _ in stages)) == ["calibrate", "seed", "evolve", "label"]
+    assert list(dict.fromkeys(stage for stage, _ in stages)) == ["register", "calibrate", "seed", "evolve", "label"]
     for last in (1, calls // 3, calls - 1):
         left = last
 

@@ -218,8 +218,8 @@ class _Evolution:
             if done % p.threshold_interval == 0:
                 self._update_threshold()
             if on_iteration is not None:
-                vertices = self.mesh.vertex_count
-                on_iteration(FlowState(stage, self.iteration, vertices, awake, self.oscillating, self.threshold))
+                state = self.mesh.vertex_count, awake, self.oscillating, self.threshold
+                on_iteration(FlowState(stage, self.iteration, *state, self.mesh.to_triangle_mesh))
             rests = (
                 awake <= p.awake_share * self.mesh.vertex_count and done % p.remesh_interval == 0 and not self._stirred
             )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -154,6 +155,8 @@ class FlowState:
     oscillating: int
     """Of those awake, the ones that change their direction again and again."""
     threshold: float
+    surface: Callable[[], TriangleMesh]
+    """Makes a copy of the surface as it is."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,176 @@
+r"""A surface as it grew, to be watched again: few frames, few triangles, one small file.
+
+The file ``evolution.bin``, little-endian throughout::
+
+    8 bytes   "SHPEVO1\0"
+    uint32    n, length of the header
+    n bytes   header, UTF-8 JSON, padded with spaces so that what follows begins at a multiple of 4
+    then      the frames one after the other, each at its offset from the end of the header
+
+    header    {"origin": [x, y, z], "step": s, "frames": [frame, …]}
+    frame     {"object": number, "stage": i, "iteration": n, "vertices": v, "faces": f, "offset": bytes}
+    a frame   v × 3 uint16, a place is origin + step · value, in RAS mm; padded to a multiple of 4; f × 3 uint32,
+              indices of vertices, counter-clockwise seen from outside
+
+Frames are sorted by object and iteration; the last frame of an object is its surface at rest.
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapery_contracts.errors import InvalidInput
+from shapery_geometry.mesh import TriangleMesh
+from shapery_segmentation.flow.params import FlowState
+
+MAGIC = b"SHPEVO1\0"
+
+MOST_FRAMES = 24
+"""Of one object. Where there would be more, every second is dropped and only every second is taken from then on."""
+
+MOST_VERTICES = 1200
+"""Of one frame: enough to watch."""
+
+LARGEST_FILE = 64 << 20
+"""Bytes beyond which `read_evolution` refuses a file."""
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """One surface on its way.
+
+    Parameters
+    ----------
+    object
+        Number of the object in the report, from 1.
+    stage, iteration
+        Of the flow.
+    mesh
+        Coarse, RAS mm.
+    """
+
+    object: int
+    stage: int
+    iteration: int
+    mesh: TriangleMesh
+
+
+class Recorder:
+    """Takes in a surface now and then while it flows."""
+
+    def __init__(self) -> None:
+        self._frames: list[Frame] = []
+        self._every = 1
+        self._seen = 0
+
+    def watch(self, state: FlowState) -> Frame | None:
+        """Look at a flow after an iteration; returns the frame where one was kept."""
+        self._seen += 1
+        if (self._seen - 1) % self._every:
+            return None
+        if len(self._frames) >= MOST_FRAMES:
+            self._frames = self._frames[::2]
+            self._every *= 2
+        self._frames.append(Frame(0, state.stage, state.iteration, coarsened(state.surface(), MOST_VERTICES)))
+        return self._frames[-1]
+
+    def frames(self, end: TriangleMesh) -> tuple[Frame, ...]:
+        """Return what was kept, and the surface at rest."""
+        last = self._frames[-1] if self._frames else Frame(0, 0, 0, end)
+        return (*self._frames, Frame(0, last.stage, last.iteration + 1, coarsened(end, MOST_VERTICES)))
+
+
+def numbered(frames: tuple[Frame, ...], number: int) -> tuple[Frame, ...]:
+    """Return frames as those of the object with this number."""
+    return tuple(replace(frame, object=number) for frame in frames)
+
+
+def coarsened(mesh: TriangleMesh, most: int) -> TriangleMesh:
+    """Return the mesh with the vertices of each cell of a grid drawn together into their mean, at most about `most`.
+
+    Fast, and good enough to look at: faces that meet in one cell vanish, and so does the promise of a manifold.
+    """
+    if len(mesh.vertices) <= most:
+        return mesh
+    low = mesh.vertices.min(axis=0)
+    # A surface of area A crosses about 1.7 A/c² cells of side c.
+    side = float(np.sqrt(1.7 * mesh.area / most))
+    while True:
+        place = np.floor((mesh.vertices - low) / side).astype(np.int64)
+        counts = place.max(axis=0) + 1
+        key = (place[:, 0] * counts[1] + place[:, 1]) * counts[2] + place[:, 2]
+        cells, number = np.unique(key, return_inverse=True)
+        if len(cells) <= most:
+            break
+        side *= float(np.sqrt(len(cells) / most)) * 1.05
+    size = np.bincount(number).astype(np.float64)
+    points = np.stack([np.bincount(number, mesh.vertices[:, k]) / size for k in range(3)], axis=1)
+    faces = number[mesh.faces].astype(np.int32)
+    whole = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
+    return TriangleMesh(points, faces[whole])
+
+
+def write_evolution(frames: tuple[Frame, ...], path: Path) -> None:
+    """Write frames as described at the top of this module."""
+    origin, step = np.zeros(3), 1.0
+    if frames:
+        low = np.min([frame.mesh.vertices.min(axis=0) for frame in frames], axis=0)
+        high = np.max([frame.mesh.vertices.max(axis=0) for frame in frames], axis=0)
+        origin, step = low, max(float((high - low).max()) / 65535.0, 1e-9)
+    told: list[dict[str, int]] = []
+    body = bytearray()
+    for frame in sorted(frames, key=lambda f: (f.object, f.iteration)):
+        told.append(
+            {
+                "object": frame.object,
+                "stage": frame.stage,
+                "iteration": frame.iteration,
+                "vertices": len(frame.mesh.vertices),
+                "faces": len(frame.mesh.faces),
+                "offset": len(body),
+            }
+        )
+        places = np.rint((frame.mesh.vertices - origin) / step).clip(0, 65535).astype("<u2").tobytes()
+        body += places + b"\0" * (-len(places) % 4) + frame.mesh.faces.astype("<u4").tobytes()
+    header = json.dumps({"origin": [float(x) for x in origin], "step": step, "frames": told}).encode()
+    header += b" " * (-(len(MAGIC) + 4 + len(header)) % 4)
+    path.write_bytes(MAGIC + struct.pack("<I", len(header)) + header + bytes(body))
+
+
+def read_evolution(path: Path) -> tuple[Frame, ...]:
+    """Read what `write_evolution` wrote.
+
+    Raises
+    ------
+    InvalidInput
+        ``corrupt_file`` for anything else.
+    """
+    size = path.stat().st_size
+    if size > LARGEST_FILE:
+        raise InvalidInput("corrupt_file", f"{path.name} has {size} bytes: no evolution is as large.")
+    data = path.read_bytes()
+    begin = len(MAGIC) + 4
+    if data[: len(MAGIC)] != MAGIC or len(data) < begin:
+        raise InvalidInput("corrupt_file", f"{path.name} is no evolution of a surface.")
+    body = begin + struct.unpack_from("<I", data, len(MAGIC))[0]
+    try:
+        header = json.loads(data[begin:body])
+        origin, step = np.array(header["origin"], dtype=np.float64), float(header["step"])
+        return tuple(_frame(data, body, told, origin, step) for told in header["frames"])
+    except (KeyError, TypeError, ValueError) as error:
+        raise InvalidInput("corrupt_file", f"{path.name} is damaged: {error}.") from error
+
+
+def _frame(data: bytes, body: int, told: dict[str, int], origin: NDArray[np.float64], step: float) -> Frame:
+    count, faces, at = int(told["vertices"]), int(told["faces"]), body + int(told["offset"])
+    places = np.frombuffer(data, "<u2", 3 * count, at).reshape(-1, 3)
+    at += (6 * count + 3) // 4 * 4
+    corners = np.frombuffer(data, "<u4", 3 * faces, at).reshape(-1, 3)
+    mesh = TriangleMesh(origin + step * places, corners.astype(np.int32))
+    return Frame(int(told["object"]), int(told["stage"]), int(told["iteration"]), mesh)

@@ -1,0 +1,445 @@
+"""Any object that the user points at, in any volume: nothing of a head is assumed (the general mode).
+
+What the object is follows from the data around the seed:
+
+1. **Region.** For every voxel, the tolerance around the seed's intensity at which a path from the seed reaches it (a
+   minimax path). As the tolerance grows, the region fills the object, then stays nearly as it is while the tolerance
+   passes through the border, then leaks. The region at the stillest of these places is the object, roughly: an extremal
+   region that is maximally stable (Matas et al., 2004), but around the seed's intensity and to both sides of it.
+2. **Polarity.** The ring of voxels around the region tells what the object borders on: darker tissue, brighter, or
+   both. The border lies half-way to each, where partial volume puts it.
+3. **Flow.** U is the distance to the nearer of these borders in units of the noise, positive inside; the density gate
+   of the tumor's way keeps the surface out of leaks, and the normal flow does the rest.
+
+References
+----------
+Section 3.4.1 of the dissertation. J. Matas et al., "Robust wide-baseline stereo from maximally stable extremal
+regions", Image Vision Comput. 22 (2004), doi:10.1016/j.imavis.2004.02.006.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from shapery_contracts.errors import InvalidInput
+from shapery_contracts.segmentation import SegmentationParams
+from shapery_geometry.rasterize import rasterize
+from shapery_geometry.volume import Volume
+from shapery_segmentation._flood_kernels import flood
+from shapery_segmentation.evolution import Recorder
+from shapery_segmentation.flow.normal import FlowState, NormalFlowParams, normal_flow
+from shapery_segmentation.gate import REACH, box_around, dense, within
+from shapery_segmentation.objects import THIN_EDGE, Recovered
+from shapery_segmentation.preparation import averaged
+from shapery_segmentation.seeding.ball import seed_ball, surface_of
+from shapery_segmentation.shrinking import shrinking_note
+
+FloatArray = NDArray[np.float32]
+BoolArray = NDArray[np.bool_]
+
+LARGEST_SEARCH = 4_000_000
+"""Voxels of the volume in which the region is looked for; larger ones are averaged for it."""
+
+LEVELS = 2048
+"""Tolerances of the flood."""
+
+FINENESS = 0.2
+"""Step between them, in units of the noise."""
+
+STILL = 1.25
+"""The region is compared at a tolerance so many times larger."""
+
+LEAST_TOLERANCE = 2.0
+"""In units of the noise; at less a region has holes wherever the noise has peaks."""
+
+LEAST_REGION = 27
+"""Voxels below which a region is the seed's own noise."""
+
+LARGEST_REGION, LARGEST_IN_BOX = 0.4, 0.9
+"""Share of the volume, and of the user's box, above which a region is the background."""
+
+CALM = 0.25
+"""Growth (logarithm of the volume) across one step of `STILL` below which a region counts as still."""
+
+BRIDGE = 1.5
+"""Voxels: deviation of the Gaussian over the tolerances before the flood. A bridge to a like neighbour that is thinner
+than about four of them is as costly as what lies beside it."""
+
+REGROWN = 4.0
+"""Units of the noise within which voxels beside the region belong to it."""
+
+DEEPEST = 40.0
+"""Units of the noise to which tolerances are cut for that."""
+
+LOCAL = 10.0
+"""mm: deviation of the Gaussian within which inside and outside are averaged for the border between them; the
+sensitivity of coils varies over more."""
+
+LARGEST_SURFACE = 40_000
+"""Vertices at about which edges get longer instead."""
+
+RING = (1, 3)
+"""Voxels from the region at which its surroundings are looked at."""
+
+LEAST_SIDE = 0.1
+"""Share of the ring that must be darker (brighter) for the object to have a border to that side."""
+
+LEAST_CONTRAST = 2.5
+"""Units of the noise by which the ring must differ, or there is no border to find."""
+
+MARGIN = 12
+"""Voxels around the region in which the surface is worked out."""
+
+LARGEST_VALUE = 20.0
+"""U is cut to this; further inside it says nothing more."""
+
+HALF_CONTRAST = 8.0
+"""Units of the noise at which the confidence in a border is 0.63."""
+
+ELSEWHERE = "The seed itself lies outside the object that was found around it."
+
+MAD_TO_SIGMA = 1.4826
+
+Polarity = Literal["bright", "dark", "between"]
+
+
+@dataclass(frozen=True, eq=False)
+class Target:
+    """What the user points at.
+
+    Parameters
+    ----------
+    seed : (3,) float64
+        RAS mm.
+    box : (2, 3) float64, optional
+        Two corners in RAS mm that the object lies between.
+    """
+
+    seed: NDArray[np.float64]
+    box: NDArray[np.float64] | None = None
+
+
+def targets(params: SegmentationParams) -> list[Target]:
+    """Return what the parameters point at: each seed, within the box if there is one, or the middle of the box."""
+    box = None if params.box is None else np.sort(np.asarray(params.box, dtype=np.float64).reshape(2, 3), axis=0)
+    if params.seeds:
+        return [Target(np.asarray(seed, dtype=np.float64), box) for seed in params.seeds]
+    return [] if box is None else [Target(box.mean(axis=0), box)]
+
+
+def check_box(box: Sequence[float] | None, volume: Volume) -> None:
+    """Refuse a box that is flat or lies outside the volume.
+
+    Raises
+    ------
+    InvalidInput
+        ``invalid_params``.
+    """
+    if box is None:
+        return
+    low, high = np.sort(np.asarray(box, dtype=np.float64).reshape(2, 3), axis=0)
+    if not np.isfinite([low, high]).all() or ((high - low) < 2.0 * min(volume.spacing)).any():
+        raise InvalidInput(
+            "invalid_params",
+            f"The box of {' × '.join(f'{e:.3g}' for e in high - low)} mm is too flat to hold an object.",
+            "A box is x0, y0, z0, x1, y1, z1 in RAS millimetres: two opposite corners.",
+        )
+    if not bool(volume.contains((low + high) / 2)):
+        raise InvalidInput(
+            "invalid_params",
+            f"The middle of the box ({', '.join(f'{c:.4g}' for c in (low + high) / 2)}) lies outside the volume.",
+            "A box is x0, y0, z0, x1, y1, z1 in RAS millimetres: two opposite corners.",
+        )
+
+
+def recover_object(
+    volume: Volume,
+    target: Target,
+    params: SegmentationParams,
+    *,
+    check_cancelled: Callable[[], None] = lambda: None,
+) -> Recovered:
+    """Recover the object at one target.
+
+    Parameters
+    ----------
+    volume
+        Of any modality, spacing and orientation.
+    target
+        Inside the volume.
+    params
+        Of these `edge_length` and `smoothing`.
+    check_cancelled
+        Called several times a second; what it raises passes through.
+
+    Raises
+    ------
+    InvalidInput
+        ``no_object_found`` where nothing around the seed stands out from it.
+    """
+    canonical, _ = volume.filled().canonical()
+    step = max(max(canonical.spacing), (canonical.data.size / LARGEST_SEARCH) ** (1 / 3) * min(canonical.spacing))
+    coarse = averaged(canonical, step) if canonical.data.size > LARGEST_SEARCH else canonical
+    check_cancelled()
+    region, noise = _still_region(coarse, target)
+    check_cancelled()
+    box = box_around(region, region.shape, MARGIN)
+    part = Volume(np.ascontiguousarray(coarse.data[box]), _shifted(coarse.affine, [s.start for s in box]))
+    inside = np.ascontiguousarray(region[box])
+    if coarse is not canonical:
+        part, inside = _refined(canonical, part, inside)
+    field, polarity, contrast = _borders(part, inside, noise)
+    spacing = float(part.voxel_volume ** (1 / 3))
+    object_voxels, allowed = _gated(field, inside)
+    check_cancelled()
+
+    ball, to_ball, start = seed_ball(object_voxels, part.affine)
+    seed = surface_of(ball, to_ball)
+    # A vertex has about 0.87 of its squared edge length to itself.
+    edge = max(spacing, float(np.sqrt(seed.area / (0.87 * LARGEST_SURFACE))))
+    edge = params.edge_length if params.edge_length is not None else edge
+
+    recorder = Recorder()
+
+    def on_iteration(state: FlowState) -> None:
+        check_cancelled()
+        recorder.watch(state)
+
+    flow = normal_flow(
+        field,
+        allowed,
+        part.affine,
+        seed,
+        NormalFlowParams(
+            edge_lengths=(THIN_EDGE * edge, edge),
+            curvature_weight=params.smoothing,
+            threshold_share=None,
+            topology=params.topology,
+        ),
+        threshold=0.0,
+        on_iteration=on_iteration,
+    )
+    if flow.vanished:
+        raise _nothing(target.seed, "the surface that started there shrank to nothing")
+    source = Volume(np.broadcast_to(np.zeros((), np.uint8), volume.shape), volume.affine)
+    filled = rasterize(flow.mesh, source)
+    whole = ndimage.binary_fill_holes(filled)
+    notes = [] if target.box is not None or object_voxels[_nearest(part, target.seed)] else [ELSEWHERE]
+    if _touches_border(filled):
+        notes.append("It reaches the border of the volume: it may go on beyond.")
+    note = shrinking_note(seed, flow.mesh, field, part.affine, flow.threshold)
+    if note is not None:
+        notes.append(note)
+    return Recovered(
+        seed=to_ball[:3, :3] @ start + to_ball[:3, 3],
+        seeded_by="user",
+        confidence=float(1.0 - np.exp(-contrast / HALF_CONTRAST)),
+        surface=flow.mesh,
+        inside=filled,
+        enclosed=np.asarray(whole & ~filled),
+        threshold=float(flow.threshold),
+        iterations=int(flow.iterations),
+        converged=bool(flow.converged),
+        seed_mm3=float(seed.volume),
+        frames=recorder.frames(flow.mesh),
+        polarity=polarity,
+        notes=tuple(notes),
+    )
+
+
+def _still_region(volume: Volume, target: Target) -> tuple[BoolArray, float]:
+    """Return the stillest region around the seed, and the noise there."""
+    seed = np.array(_nearest(volume, target.seed))
+    usable = np.ones(volume.shape, dtype=np.bool_)
+    if target.box is not None:
+        usable[:] = False
+        corners = volume.to_index(
+            np.array(np.meshgrid(*target.box.T, indexing="ij")).reshape(3, -1).T
+        )  # the box stays a box on the grid's axes: its bounds there
+        low = np.clip(np.floor(corners.min(axis=0) + 0.5), 0, np.array(volume.shape) - 1).astype(int)
+        high = np.clip(np.ceil(corners.max(axis=0) + 0.5), low + 1, volume.shape).astype(int)
+        usable[tuple(slice(a, b) for a, b in zip(low, high, strict=True))] = True
+        seed = np.clip(seed, low, high - 1)
+    around = tuple(slice(max(int(s) - 8, 0), int(s) + 9) for s in seed)
+    smooth = _smoothed(volume)
+    noise = _noise(smooth[around])
+    here = tuple(slice(max(int(s) - 1, 0), int(s) + 2) for s in seed)
+    centre = float(np.median(smooth[here]))
+    spread = float(np.percentile(np.abs(smooth[usable] - centre), 99.0))
+    if not spread > 0:
+        raise _nothing(target.seed, "everything around has the same intensity")
+    noise = max(noise, spread / (LEVELS * FINENESS))
+    most = int((LARGEST_REGION if target.box is None else LARGEST_IN_BOX) * usable.sum())
+    for _ in range(2):
+        tolerance = np.abs(smooth - np.float32(centre)) / np.float32(noise)
+        # Without the bridges that lead to like neighbours; where the object is thin itself, with them.
+        for bridge in (BRIDGE, 0.0):
+            cut = np.minimum(tolerance, np.float32(DEEPEST)) if bridge else tolerance
+            wide = ndimage.gaussian_filter(cut, bridge, mode="nearest") if bridge else cut
+            cost = np.where(usable, np.minimum(wide / FINENESS, LEVELS - 1), LEVELS).astype(np.uint16)
+            level = np.full(volume.shape, np.iinfo(np.uint16).max, dtype=np.uint16)
+            counts = np.zeros(LEVELS, dtype=np.int64)
+            flood(cost, seed[None].astype(np.int64), int(usable.sum()), level, counts)
+            stillest = _stillest(np.cumsum(counts), most)
+            if stillest is not None:
+                break
+        if stillest is None:
+            raise _nothing(target.seed, "no region around it stands out: it runs into its surroundings at once")
+        region = np.asarray(level <= stillest)
+        if bridge:
+            # Back to where the averaging began: as far as the object itself goes on.
+            near = within(region, 2.0 * BRIDGE) & usable
+            region |= near & (tolerance < max(REGROWN, float(stillest) * FINENESS))
+        # A single voxel's noise must not be the centre: once more from the median of what was found.
+        again = float(np.median(smooth[region]))
+        if abs(again - centre) < 0.5 * noise:
+            break
+        centre = again
+    return region, noise
+
+
+def _stillest(volume: NDArray[np.int64], most: int) -> int | None:
+    """Return the tolerance at which the region changes least: the first that is still, else the stillest there is."""
+    low = int(LEAST_TOLERANCE / FINENESS)
+    at = np.arange(low, int(LEVELS / STILL))
+    upper = np.minimum((at * STILL).astype(int), LEVELS - 1)
+    growth = np.log(np.maximum(volume[upper], 1)) - np.log(np.maximum(volume[(at / STILL).astype(int)], 1))
+    right = (volume[at] >= LEAST_REGION) & (volume[upper] <= most)
+    if not right.any():
+        return None
+    growth = np.where(right, growth, np.inf)
+    calm = np.flatnonzero(growth < CALM)
+    if not len(calm):
+        return int(at[int(np.argmin(growth))])
+    # The bottom of the first valley.
+    end = calm[0]
+    while end + 1 < len(growth) and growth[end + 1] < CALM:
+        end += 1
+    return int(at[calm[0] + int(np.argmin(growth[calm[0] : end + 1]))])
+
+
+def _borders(volume: Volume, inside: BoolArray, noise: float) -> tuple[FloatArray, Polarity, float]:
+    """Return U, the polarity, and the contrast to the nearer side in units of the noise."""
+    data = volume.data.astype(np.float32)
+    wide = np.pad(inside, RING[1])
+    ring = within(wide, RING[1]) & ~within(wide, RING[0])
+    ring = ring[tuple(slice(RING[1], -RING[1]) for _ in range(3))]
+    around = data[ring]
+    if not around.size:
+        raise InvalidInput("no_object_found", "The object fills the whole volume: it has no border in it.")
+    middle = float(np.median(data[inside]))
+    darker, brighter = around[around < middle], around[around >= middle]
+    low: FloatArray | None = None
+    high: FloatArray | None = None
+    contrasts = []
+    own = _local(data, inside, middle, volume.spacing)
+    if len(darker) >= LEAST_SIDE * len(around):
+        level = float(np.median(darker))
+        if middle - level >= LEAST_CONTRAST * noise:
+            low = np.float32(0.5) * (own + _local(data, ring & (data < middle), level, volume.spacing))
+            contrasts.append((middle - level) / noise)
+    if len(brighter) >= LEAST_SIDE * len(around):
+        level = float(np.median(brighter))
+        if level - middle >= LEAST_CONTRAST * noise:
+            high = np.float32(0.5) * (own + _local(data, ring & (data >= middle), level, volume.spacing))
+            contrasts.append((level - middle) / noise)
+    if not contrasts:
+        raise InvalidInput(
+            "no_object_found",
+            f"What surrounds the seed differs from it by less than {LEAST_CONTRAST:g} times the noise: there is no "
+            "border to find.",
+            "Place the seed in the middle of the object, or draw a box around it.",
+        )
+    polarity: Polarity = "bright" if high is None else "dark" if low is None else "between"
+    above = data - low if low is not None else np.float32(np.inf)
+    below = high - data if high is not None else np.float32(np.inf)
+    field = np.minimum(above, below) / np.float32(noise)
+    field = np.clip(field, -LARGEST_VALUE, LARGEST_VALUE).astype(np.float32)
+    sigma = 0.6 * float(volume.voxel_volume ** (1 / 3)) / np.array(volume.spacing)
+    return ndimage.gaussian_filter(field, sigma, mode="nearest"), polarity, float(min(contrasts))
+
+
+def _local(data: FloatArray, where: BoolArray, usual: float, spacing: tuple[float, float, float]) -> FloatArray:
+    """Return the mean of `data` over `where`, weighted by nearness; `usual` where there is none of it near."""
+    sigma = LOCAL / np.array(spacing)
+    weight = ndimage.gaussian_filter(where.astype(np.float32), sigma, mode="constant", truncate=3.0)
+    total = ndimage.gaussian_filter(np.where(where, data - np.float32(usual), 0), sigma, mode="constant", truncate=3.0)
+    return np.asarray(np.float32(usual) + total / (weight + np.float32(0.02)), dtype=np.float32)
+
+
+def _gated(field: FloatArray, region: BoolArray) -> tuple[BoolArray, BoolArray]:
+    """Return the object's voxels and where the surface may go: near voxels that are dense, connected to the region."""
+    enhancing = field > 0
+    solid = dense(enhancing, 1.0) & ndimage.binary_erosion(enhancing)
+    labels, _ = ndimage.label(solid)
+    sizes = np.bincount(labels[region & solid], minlength=1)
+    sizes[0] = 0
+    core = labels == int(sizes.argmax()) if sizes.any() else enhancing & region
+    if not core.any():
+        core = region
+    allowed = within(core, REACH)
+    inside, _ = ndimage.label(enhancing & allowed)
+    own = np.bincount(inside[core & enhancing], minlength=1)
+    own[0] = 0
+    voxels = inside == int(own.argmax()) if own.any() else core
+    return np.asarray(voxels), np.asarray(allowed)
+
+
+def _refined(volume: Volume, coarse: Volume, inside: BoolArray) -> tuple[Volume, BoolArray]:
+    """Return the part of `volume` that `coarse` covers, and the region on its grid."""
+    bounds = volume.to_index(coarse.to_world(np.stack((np.full(3, -0.5), np.array(coarse.shape) - 0.5))))
+    low = np.clip(np.ceil(bounds.min(axis=0)), 0, np.array(volume.shape) - 1).astype(int)
+    high = np.clip(np.floor(bounds.max(axis=0)) + 1, low + 1, volume.shape).astype(int)
+    box = tuple(slice(a, b) for a, b in zip(low, high, strict=True))
+    part = Volume(np.ascontiguousarray(volume.data[box]), _shifted(volume.affine, low.tolist()))
+    fine = Volume(inside.astype(np.float32), coarse.affine).resampled_to(part, fill=0.0).data
+    return part, np.asarray(fine >= 0.5)
+
+
+def _smoothed(volume: Volume) -> FloatArray:
+    scale = float(volume.voxel_volume ** (1 / 3))
+    return np.asarray(
+        ndimage.gaussian_filter(volume.data.astype(np.float32), 0.7 * scale / np.array(volume.spacing), mode="nearest")
+    )
+
+
+def _noise(values: FloatArray) -> float:
+    """Return the deviation of the noise, and of the object's own texture: of what a wider average takes away.
+
+    Differences of neighbours would not do: most files were filtered or resampled, and neighbours are alike.
+    """
+    return MAD_TO_SIGMA * float(np.median(np.abs(values - ndimage.gaussian_filter(values, 2.5, mode="nearest"))))
+
+
+def _nearest(volume: Volume, point: NDArray[np.float64]) -> tuple[int, int, int]:
+    index = np.clip(np.rint(volume.to_index(point)), 0, np.array(volume.shape) - 1).astype(int)
+    i, j, k = index.tolist()
+    return i, j, k
+
+
+def _touches_border(mask: BoolArray) -> bool:
+    return any(bool(np.take(mask, end, axis=axis).any()) for axis in range(3) for end in (0, -1))
+
+
+def _shifted(affine: NDArray[np.float64], corner: Sequence[int]) -> NDArray[np.float64]:
+    moved = affine.copy()
+    moved[:3, 3] += affine[:3, :3] @ np.asarray(corner)
+    return moved
+
+
+def _nothing(seed: NDArray[np.float64], why: str) -> InvalidInput:
+    return InvalidInput(
+        "no_object_found",
+        f"No object was found at the seed ({_shown(seed)}): {why}.",
+        "Place the seed in the middle of the object, or draw a box around it.",
+    )
+
+
+def _shown(point: NDArray[np.float64]) -> str:
+    return ", ".join(f"{x:.4g}" for x in point)

@@ -1,0 +1,118 @@
+"""Any object that a seed or a box points at: phantoms of both polarities, real CT, and refusals."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from shapery_contracts.errors import InvalidInput
+from shapery_contracts.segmentation import SegmentationParams
+from shapery_geometry.mask_metrics import intersection_over_union
+from shapery_geometry.volume import Volume
+from shapery_segmentation import segment
+from shapery_segmentation._flood_kernels import flood
+from shapery_segmentation.modes import choose_mode, looks_like_head
+from shapery_segmentation.phantoms import HeadPhantom
+from shapery_segmentation.phantoms.blob import BlobPhantom, blob_phantom
+
+GRIDS = {"cubes": None, "slices of 2 mm": np.diag([1.0, 1.0, 2.0, 1.0])}
+
+
+def blob(**options: object) -> BlobPhantom:
+    return blob_phantom(np.random.default_rng(1), **options)  # type: ignore[arg-type]
+
+
+def test_the_flood_finds_the_least_tolerance_of_any_path() -> None:
+    cost = np.full((1, 3, 5), 9, dtype=np.uint16)
+    cost[0, 1] = (0, 3, 7, 1, 0)
+    cost[0, 0] = (9, 4, 4, 4, 9)
+    level = np.full(cost.shape, 65535, dtype=np.uint16)
+    counts = np.zeros(9, dtype=np.int64)
+    reached = flood(cost, np.array([[0, 1, 0]]), 100, level, counts)
+    # Around the 7 through the row of 4; what costs 9 is never entered.
+    np.testing.assert_array_equal(level[0, 1], (0, 3, 7, 4, 4))
+    assert reached == 8
+    assert counts.sum() == 8
+    assert (level[0, 2] == 65535).all()
+
+
+@pytest.mark.parametrize("polarity", ["bright", "dark"])
+@pytest.mark.parametrize("bias", [0.0, 0.4])
+def test_a_blob_at_snr_10(polarity: str, bias: float) -> None:
+    phantom = blob(polarity=polarity, bias=bias, snr=10.0)
+    result = segment(phantom.volume, params=SegmentationParams(seeds=[list(phantom.center)]))
+    (item,) = result.report.objects
+    assert result.report.mode == "object"
+    assert item.polarity == polarity
+    assert item.closed
+    assert item.genus == 0
+    assert item.self_intersections == 0
+    assert intersection_over_union(result.labels.data == 1, phantom.truth.data) >= (0.96 if bias else 0.97)
+    if item.volume_mm3 < item.seed_volume_mm3:
+        assert any("of its seed" in note for note in item.notes)
+
+
+def test_a_box_instead_of_a_seed_in_thick_slices() -> None:
+    phantom = blob(shape=(64, 64, 32), affine=np.diag([1.0, 1.0, 2.0, 1.0]))
+    inside = phantom.truth.to_world(np.argwhere(phantom.truth.data))
+    box = [*(inside.min(axis=0) - 4), *(inside.max(axis=0) + 4)]
+    result = segment(phantom.volume, params=SegmentationParams(box=box))
+    assert intersection_over_union(result.labels.data == 1, phantom.truth.data) >= 0.96
+
+
+def test_a_head_is_told_from_other_things(head: HeadPhantom, tilted_head: HeadPhantom) -> None:
+    assert looks_like_head(head.post)
+    assert looks_like_head(tilted_head.post)
+    phantom = blob()
+    assert not looks_like_head(phantom.volume)
+    seeded = SegmentationParams(seeds=[[0.0, 0.0, 0.0]])
+    assert choose_mode(head.post, seeded) == "tumor"
+    assert choose_mode(phantom.volume, seeded) == "object"
+    assert choose_mode(phantom.volume, SegmentationParams()) == "tumor"
+    assert choose_mode(head.post, SegmentationParams(box=[0, 0, 0, 9, 9, 9])) == "object"
+
+
+def refusal(volume: Volume, **params: object) -> InvalidInput:
+    with pytest.raises(InvalidInput) as caught:
+        segment(volume, params=SegmentationParams(**params))  # type: ignore[arg-type]
+    assert caught.value.message
+    return caught.value
+
+
+def test_what_is_not_there_is_refused() -> None:
+    noise = Volume(np.random.default_rng(2).normal(size=(40, 40, 40)).astype(np.float32), np.eye(4))
+    assert refusal(noise, mode="object", seeds=[[20, 20, 20]]).code == "no_object_found"
+    phantom = blob()
+    assert refusal(phantom.volume, mode="object").code == "invalid_params"
+    assert refusal(phantom.volume, seeds=[[500, 0, 0]]).code == "invalid_params"
+    assert refusal(phantom.volume, box=[10, 10, 10, 10, 30, 30]).code == "invalid_params"
+    assert refusal(phantom.volume, box=[500, 10, 10, 520, 30, 30]).code == "invalid_params"
+
+
+def test_one_seed_of_two_that_leads_nowhere_is_told() -> None:
+    phantom = blob(shape=(96, 48, 48), radius=10.0)
+    two = phantom.volume.data.copy()
+    params = SegmentationParams(mode="object", seeds=[list(phantom.center), [1.0, 1.0, 1.0]])
+    result = segment(phantom.volume.with_data(two), params=params)
+    assert result.report.objects
+    assert len(result.surfaces) == len(result.report.objects)
+
+
+@pytest.mark.data
+def test_the_aorta_in_ct(shared_data: Path) -> None:
+    from scipy import ndimage
+
+    from shapery_geometry.volume_io import read_volume
+
+    folder = shared_data / "volumes/vessel_aorta_ct_vmtk"
+    volume, reference = read_volume(folder / "aorta.mha"), read_volume(folder / "reference_levelset.mha").data < 0
+    depth = ndimage.distance_transform_edt(reference)
+    seed = volume.to_world(np.unravel_index(int(depth.argmax()), depth.shape))
+    result = segment(volume, params=SegmentationParams(seeds=[seed.tolist()]))
+    assert result.report.mode == "object"
+    (item,) = result.report.objects
+    assert item.self_intersections == 0
+    # The reference covers one segment only; the surface goes on into the rest of the tree.
+    assert (result.labels.data[reference] == 1).mean() > 0.85
