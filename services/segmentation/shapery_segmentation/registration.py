@@ -391,7 +391,8 @@ def _search(pair: _Pair, start: FloatArray, levels: Sequence[float], seed: int) 
         learningRate=2.0, minStep=0.005, numberOfIterations=_STEPS_OF_SEARCH, relaxationFactor=0.6,
         gradientMagnitudeTolerance=1e-6,
     )  # fmt: skip
-    method.SetOptimizerScalesFromPhysicalShift()
+    # A radian moves the head's surface by its radius; ITK's own estimate of this draws samples that no seed rules.
+    method.SetOptimizerScales([HEAD_RADIUS**2] * 3 + [1.0] * 3)
     method.SetShrinkFactorsPerLevel([round(step / STEP) for step in levels])
     method.SetSmoothingSigmasPerLevel([0.5 * step for step in levels])
     method.SmoothingSigmasAreSpecifiedInPhysicalUnitsOn()
@@ -400,6 +401,8 @@ def _search(pair: _Pair, start: FloatArray, levels: Sequence[float], seed: int) 
         method.Execute(_itk_image(pair.fixed), _itk_image(pair.moving))
     except RuntimeError:  # it ran to where the two don't overlap: nothing is to be found from this start
         return start
+    # Its sums differ in their last digits from run to run; beyond these the place says nothing anyway.
+    initial.SetParameters([round(value, 6) for value in initial.GetParameters()])
     forward = np.eye(4)
     forward[:3, :3] = np.array(initial.GetMatrix()).reshape(3, 3)
     centre = np.array(initial.GetCenter())
