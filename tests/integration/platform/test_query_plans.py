@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session
 
 from shapery_contracts.states import JobState
 from shapery_platform.db import Database, new_id, utc_now
-from shapery_platform.db.repositories import bank, batches, blobs, jobs, shapes
+from shapery_platform.db.repositories import bank, batches, blobs, collections, jobs, shapes
 
 
 def page_of_shapes(session: Session, **filters: Any) -> Any:
@@ -51,6 +51,10 @@ QUERIES: dict[str, tuple[Callable[[Session], Any], str]] = {
     "a page of labelled shapes": (
         lambda s: page_of_shapes(s, labels={"side": "left"}),
         "sqlite_autoindex_shape_labels",
+    ),
+    "counts of collections": (
+        lambda s: collections.counts(s, [new_id()], 1),
+        "COVERING INDEX ix_shapes_collection_id_index_version",
     ),
     "shapes changed since": (lambda s: list(bank.vectors_after(s, "ann", 7)), "ix_shapes_owner_revision"),
     "whether a blob is kept": (lambda s: blobs.is_kept(s, "a" * 64), "ix_shape_files_sha256"),

@@ -329,6 +329,7 @@ class Shape(Base):
         Index(None, "owner", "id"),
         Index(None, "owner", "revision"),
         Index(None, "collection_id", "id"),
+        Index(None, "collection_id", "index_version"),  # holds all that counting needs
         UniqueConstraint("job_id"),
         Index(
             "ix_shapes_vector",

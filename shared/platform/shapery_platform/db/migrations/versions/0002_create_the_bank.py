@@ -64,6 +64,9 @@ def upgrade() -> None:
     )
     op.create_index(op.f("ix_shapes_asset_id"), "shapes", ["asset_id"], unique=False)
     op.create_index(op.f("ix_shapes_collection_id_id"), "shapes", ["collection_id", "id"], unique=False)
+    op.create_index(
+        op.f("ix_shapes_collection_id_index_version"), "shapes", ["collection_id", "index_version"], unique=False
+    )
     op.create_index(op.f("ix_shapes_owner_id"), "shapes", ["owner", "id"], unique=False)
     op.create_index(op.f("ix_shapes_owner_revision"), "shapes", ["owner", "revision"], unique=False)
     if on_postgresql:
