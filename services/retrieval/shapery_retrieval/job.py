@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from shapery_retrieval.arg import Arg
+    from shapery_retrieval.laid_out import Searchers
     from shapery_retrieval.search import Answer
 
 _FRACTIONS = {"normalise": 0.05, "describe": 0.15, "decompose": 0.6, "views": 0.75}
@@ -83,9 +84,12 @@ class ShapeSearchHandler:
 
     kind: ClassVar[str] = "shape-search"
 
+    def __init__(self) -> None:
+        self._searchers: Searchers | None = None
+
     def load(self) -> None:
         """Import the numerics; a worker does it once, before it forks a process for each job."""
-        for module in ("shapery_geometry.mesh_io", "shapery_retrieval.describe", "shapery_retrieval.search"):
+        for module in ("shapery_geometry.mesh_io", "shapery_retrieval.describe", "shapery_retrieval.laid_out"):
             importlib.import_module(module)
 
     def run(self, params: ShapeSearchParams, inputs: Mapping[str, Path], context: JobContext) -> ShapeSearchResult:
@@ -98,7 +102,11 @@ class ShapeSearchHandler:
         context.stage("read", 0.0)
         query = self._query(params, inputs, bank, context)
         seconds["index"] = time.perf_counter() - start
-        result = search_bank(query, params, bank, context, seconds)
+        if self._searchers is None:
+            from shapery_retrieval.laid_out import Searchers
+
+            self._searchers = Searchers()  # a process that answers many queries asks this very handler
+        result = search_bank(query, params, bank, context, seconds, self._searchers)
         context.stage("write", 0.98)
         (context.output / "results.json").write_text(result.model_dump_json(indent=2))
         context.progress(1.0)
@@ -112,7 +120,7 @@ class ShapeSearchHandler:
         from shapery_retrieval.describe import describe
         from shapery_retrieval.search import region_of
 
-        if params.shape_id is not None:
+        if params.shape_id is not None and not (params.region is not None and "mesh" in inputs):
             if params.region is not None:
                 raise InvalidInput("invalid_params", "A region is of the faces of a mesh, which was not given.")
             stored = bank.args([params.shape_id]).get(params.shape_id)
@@ -135,7 +143,12 @@ class ShapeSearchHandler:
 
 
 def search_bank(
-    query: Arg, params: ShapeSearchParams, bank: ShapeBank, context: JobContext | None, seconds: dict[str, float]
+    query: Arg,
+    params: ShapeSearchParams,
+    bank: ShapeBank,
+    context: JobContext | None,
+    seconds: dict[str, float],
+    searchers: Searchers | None = None,
 ) -> ShapeSearchResult:
     """Search a bank with a graph.
 
@@ -151,9 +164,10 @@ def search_bank(
         For progress; may be None.
     seconds
         Time of earlier stages.
+    searchers
+        What earlier queries have read; none where the ids of the bank may come to mean other graphs.
     """
-    from shapery_retrieval.arg import Arg
-    from shapery_retrieval.search import Searcher
+    from shapery_retrieval.laid_out import Searchers
     from shapery_retrieval.vector import vector_of
 
     partial = params.mode == "partial" or params.region is not None or params.parts is not None
@@ -167,8 +181,7 @@ def search_bank(
     start = stage("candidates", 0.6)
     limit = PARTIAL_CANDIDATES if partial else max(CANDIDATES, 2 * params.limit)
     near = bank.candidates(vector_of(query).tolist(), limit, version=query.index_version, only=params.filter)
-    stored = bank.args([candidate.shape_id for candidate in near])
-    searcher = Searcher({name: Arg.from_bytes(data) for name, data in stored.items()})
+    searcher = (searchers or Searchers()).over(bank, [candidate.shape_id for candidate in near])
     seconds["candidates"] = time.perf_counter() - start
     start = stage("match", 0.7)
     answer = searcher.search(query, limit=params.limit, exclude=params.shape_id, partial=partial, rerank=params.rerank)
