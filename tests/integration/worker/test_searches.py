@@ -282,6 +282,15 @@ def test_the_sdk_and_the_command_line_say_the_same(bench: Bench, tmp_path: Path)
         assert json.loads(shapery("shapes", "show", shape.id))["asset_id"] == str(asset.id)
         shapery("shapes", "fetch", shape.id, "--out", tmp_path / "fetched")
         assert (tmp_path / "fetched" / "mesh.glb").read_bytes() == fake.files(55)["mesh.glb"]
+        by_id = json.loads(shapery("search", shape.id, "--collection", "fibonacci", "--limit", 3, "--json"))
+        assert [hit["shape_id"] for hit in by_id["hits"]] == [hit.shape_id for hit in by_shape.hits]
+        found = shapery("search", mesh, "--label", "by:hand")
+        assert str(shape.id) in found
+        assert "guest" in found
+        (told,) = json.loads(shapery("index", mesh, "--collection", "sdk", "--label", "by:index", "--json"))
+        assert told == {"name": "guest.obj", "indexed": True, "error": None}
+        (indexed,) = client.shapes(collection="sdk", labels={"by": "index"})
+        client.delete_shape(indexed.id)
         assert "sdk" in shapery("collections", "list")
         shapery("shapes", "delete", shape.id)
         shapery("collections", "delete", made.id)

@@ -1,32 +1,57 @@
-"""``shapery index``, ``search`` and ``matrix``: a bank of shapes in one file."""
+"""``shapery index``, ``search`` and ``matrix``: a bank of shapes in one file, or on a server."""
 
 from __future__ import annotations
 
 import os
 from pathlib import Path
 from types import ModuleType
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
+from shapery_client.cli._bank_server import index_on_server, search_on_server
 from shapery_client.cli._output import REFUSED, JsonOption, print_json, print_table, stage_bar, stderr, stdout
+from shapery_client.cli._server import KeyOption, OptionalServerOption, connect
+from shapery_client.cli.collections import LabelOption, parse_labels
 from shapery_contracts.errors import InvalidInput, Unavailable
-from shapery_contracts.retrieval import ShapeSearchParams, ShapeSearchResult
+from shapery_contracts.retrieval import DEFAULT_COLLECTION, ShapeSearchParams, ShapeSearchResult
+from shapery_contracts.shapes import SearchAnswer
 
 BankOption = Annotated[Path, typer.Option(help="The file that holds the bank.")]
+OptionalBankOption = Annotated[
+    Path | None, typer.Option("--bank", help="The file that holds the bank; without, give --server.")
+]
 DEFAULTS = ShapeSearchParams()
 
 
 def index(
     meshes: Annotated[list[Path], typer.Argument(help="Meshes: OBJ, PLY, STL, OFF or GLB; of folders all in them.")],
-    bank: BankOption,
+    bank: OptionalBankOption = None,
     jobs: Annotated[int, typer.Option(min=0, help="Processes that work side by side; 0: one per processor.")] = 0,
+    collection: Annotated[str, typer.Option(help="On a server: the collection, made where there is none.")] = (
+        DEFAULT_COLLECTION
+    ),
+    label: LabelOption = None,
+    server: OptionalServerOption = None,
+    api_key: KeyOption = None,
     json: JsonOption = False,
 ) -> None:
-    """Describe meshes by their graphs and put them into a bank. What is in it already, unchanged, is passed over."""
-    work = _service()
-    with stage_bar("index") as bar:
-        outcomes = work.index_files(meshes, bank, jobs or os.cpu_count() or 1, lambda f, text: bar.update("", f, text))
+    """Describe meshes by their graphs and put them into a bank. What is in it already, unchanged, is passed over.
+
+    With --server each becomes a shape of a collection, also where there is one of the same mesh.
+    """
+    if bank is None:
+        with connect(_needed(server), api_key) as client, stage_bar("index") as bar:
+            outcomes = index_on_server(
+                client, meshes, collection, parse_labels(label), lambda f, text: bar.update("", f, text)
+            )
+        where = f"in the collection {collection!r}"
+    else:
+        work = _service()
+        processes = jobs or os.cpu_count() or 1
+        with stage_bar("index") as bar:
+            outcomes = work.index_files(meshes, bank, processes, lambda f, text: bar.update("", f, text))
+        where = f"the bank at {bank} holds {work.count(bank)} shapes"
     refused = [outcome for outcome in outcomes if outcome["error"] is not None]
     if json:
         print_json(outcomes)
@@ -35,33 +60,45 @@ def index(
             stderr.print(f"[bold red]refused[/] {outcome['name']}: ", end="")
             stderr.print(outcome["error"]["message"], markup=False, soft_wrap=True)
         added = sum(outcome["indexed"] for outcome in outcomes)
-        stdout.print(
-            f"{added} indexed, {len(outcomes) - added - len(refused)} unchanged, {len(refused)} refused; "
-            f"the bank at {bank} holds {work.count(bank)} shapes."
-        )
+        unchanged = len(outcomes) - added - len(refused)
+        stdout.print(f"{added} indexed, {unchanged} unchanged, {len(refused)} refused; {where}.", markup=False)
     if refused:
         raise typer.Exit(REFUSED)
 
 
 def search(
-    mesh: Annotated[Path, typer.Argument(help="The mesh to query by.")],
-    bank: BankOption,
+    mesh: Annotated[str, typer.Argument(help="The mesh to query by; on a server, or the id of a shape.")],
+    bank: OptionalBankOption = None,
     limit: Annotated[int, typer.Option(min=1, max=200, help="How many shapes at most.")] = DEFAULTS.limit,
     partial: Annotated[bool, typer.Option(help="The query may be a part of what is looked for.")] = False,
     rerank: Annotated[bool, typer.Option(help="Let the order follow how the found resemble each other, too.")] = False,
+    collection: Annotated[str | None, typer.Option(help="On a server: only shapes of this collection.")] = None,
+    label: LabelOption = None,
+    server: OptionalServerOption = None,
+    api_key: KeyOption = None,
     json: JsonOption = False,
 ) -> None:
     """Find the shapes of a bank that resemble a mesh."""
-    work = _service()
-    if not mesh.is_file():
-        raise InvalidInput("missing_input", f"The file for 'mesh', {mesh}, does not exist.")
-    params = ShapeSearchParams(mode="partial" if partial else "global", limit=limit, rerank=rerank)
-    result: ShapeSearchResult = work.search_file(mesh, bank, params)
+    mode: Literal["global", "partial"] = "partial" if partial else "global"
+    result: ShapeSearchResult | SearchAnswer
+    if bank is None:
+        labels = parse_labels(label)
+        with connect(_needed(server), api_key) as client:
+            result = search_on_server(
+                client, mesh, mode=mode, collection=collection, labels=labels, limit=limit, rerank=rerank
+            )
+        names = {hit.shape_id: f"{hit.shape_id}  {hit.shape.name}" for hit in result.hits}
+    else:
+        if not Path(mesh).is_file():
+            raise InvalidInput("missing_input", f"The file for 'mesh', {mesh}, does not exist.")
+        params = ShapeSearchParams(mode=mode, limit=limit, rerank=rerank)
+        result = ShapeSearchResult.model_validate(_service().search_file(Path(mesh), bank, params))
+        names = {hit.shape_id: hit.shape_id for hit in result.hits}
     if json:
         print_json(result)
         return
     rows = [
-        (place, hit.shape_id, f"{hit.score:.4f}", hit.level, " ".join(f"{score:.3f}" for score in hit.level_scores))
+        (place, names[hit.shape_id], f"{hit.score:.4f}", hit.level, " ".join(f"{s:.3f}" for s in hit.level_scores))
         for place, hit in enumerate(result.hits, start=1)
     ]
     print_table(("rank", "shape", "score", "best level", "scores by level"), rows, "The bank is empty.")
@@ -76,6 +113,14 @@ def matrix(
     work = _service()
     count = work.write_matrix(bank, out, rerank=rerank)
     stdout.print(f"{count} × {count} scores, written to {out}", markup=False)
+
+
+def _needed(server: str | None) -> str:
+    if server is None:
+        raise InvalidInput(
+            "missing_input", "There is no bank to work on.", "Name a file with --bank, or a server with --server."
+        )
+    return server
 
 
 def _service() -> ModuleType:
