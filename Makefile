@@ -17,7 +17,7 @@ STATIC := services/gateway/shapery_gateway/static
 PYTEST := $(BIN)/python -m pytest
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: help setup demo up test test-fast check format schema lock bench bench-motion bench-segmentation clean
+.PHONY: help setup demo up test test-fast check format schema lock bench bench-motion bench-segmentation bench-retrieval clean
 
 help: ## show this list
 	@grep -hE '^[a-z-]+:.*## ' Makefile | sed -E 's/:.*## /\t/' | expand -t 16
@@ -90,6 +90,9 @@ bench-motion: setup ## measure motion compression beside its peers; takes long, 
 
 bench-segmentation: setup ## measure segmentation: real cases, peers, phantoms, growth (goes on where it stopped)
 	$(BIN)/python -m benchmarks.segmentation
+
+bench-retrieval: setup ## measure retrieval: the dissertation's figures and table, peers, wear, cost
+	$(BIN)/python -m benchmarks.retrieval $(BENCH)
 
 clean: ## remove what set-up and builds made
 	rm -rf $(VENV) $(STATIC) $(DASHBOARD)/node_modules $(DASHBOARD)/dist .mypy_cache .ruff_cache .pytest_cache

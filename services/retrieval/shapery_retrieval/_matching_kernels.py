@@ -97,12 +97,19 @@ def transport(
     for _ in range(outer + 1):
         # the first plan is that of the nodes alone
         for i in range(k):
-            low = np.float32(1e30)
+            left[i] = gradient[i, 0]
+        for j in range(l):
+            right[j] = gradient[0, j]
+        for i in range(k):
             for j in range(l):
-                low = min(low, gradient[i, j])
+                left[i] = min(left[i], gradient[i, j])
+                right[j] = min(right[j], gradient[i, j])
+        # Shifts by row and by column change no plan. Taken half each they keep the plan of (y, x) that of (x, y)
+        # transposed; the bound keeps columns from vanishing in single precision.
+        for i in range(k):
             for j in range(l):
-                # bounded, so that no column vanishes in single precision
-                kernel[i, j] = np.exp(-min((gradient[i, j] - low) / epsilon, np.float32(30.0)))
+                excess = gradient[i, j] - np.float32(0.5) * (left[i] + right[j])
+                kernel[i, j] = np.exp(-min(excess / epsilon, np.float32(30.0)))
         _balance(kernel, masses, other_masses, k, l, rounds, relaxed, plan)
         # Σ_kl (C_ik − D_jl)² T_kl = (C² T1)_i + (D² Tᵀ1)_j − 2 (C T D)_ij
         for i in range(k):

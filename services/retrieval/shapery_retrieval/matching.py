@@ -25,8 +25,11 @@ from shapery_retrieval.packing import ALPHA, EPSILON, OUTER, ROUNDS, PackedGraph
 
 UNLIKE = 0.35
 """Divergence at which a level's score has fallen to 1/e; about the mean between unrelated generated shapes."""
-WHOLE_UNLIKE = {"covariance": 6.0, "scale_invariant": 3.0, "quantiles": 0.35, "wave_words": 0.5, "views": 1.0}
+WHOLE_UNLIKE = {"covariance": 6.0, "quantiles": 0.35, "wave_words": 0.5, "views": 1.0}
 """The same for each descriptor at the root."""
+
+
+SHARP_EPSILON, SHARP_OUTER, SHARP_ROUNDS = np.float32(0.01), 8, 30
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,41 +93,50 @@ def match(query: Arg, other: Arg, *, partial: bool = False) -> Match:
         ``conflict`` for graphs of different index versions.
     """
     both = pack((query, other))
-    levels = [] if partial else [LevelMatch(0, _root_score(both), np.ones((1, 1)))]
-    for number, level in enumerate(both.levels, start=1):
-        k, l = query.levels[number].parts, other.levels[number].parts  # noqa: E741
-        levels.append(_match_level(level, number, k, l, partial))
-    below = [level for level in levels if level.level > 0]
-    best = max(below, key=lambda level: level.score)
+    return match_packed(both, 0, both, 1, partial=partial)
+
+
+def match_packed(query: PackedGraphs, index: int, bank: PackedGraphs, place: int, *, partial: bool = False) -> Match:
+    """Match two graphs that are laid out already; see `match`."""
+    levels = []
+    if not partial:
+        levels.append(LevelMatch(0, _root_score(query, index, bank, place), np.ones((1, 1))))
+    for number, (own, others) in enumerate(zip(query.levels, bank.levels, strict=True), start=1):
+        cost, _ = transport_plan(own, index, others, place, relaxed=partial)
+        _, plan = transport_plan(own, index, others, place, relaxed=partial, sharp=True)
+        if partial:
+            itself = transport_plan(own, index, own, index, relaxed=True)[0]
+        else:
+            itself = float(own.own[index] + others.own[place]) / 2
+        score = float(np.exp(-max(cost - itself, 0.0) / UNLIKE))
+        levels.append(LevelMatch(number, score, plan[: own.parts[index], : others.parts[place]]))
+    best = max((level for level in levels if level.level > 0), key=lambda level: level.score)
     score = best.score if partial else sum(level.score for level in levels) / len(levels)
     return Match(score, tuple(levels), best.level)
 
 
 def transport_plan(
-    query: PackedLevel, index: int, other: PackedLevel, place: int, *, relaxed: bool = False
+    query: PackedLevel, index: int, other: PackedLevel, place: int, *, relaxed: bool = False, sharp: bool = False
 ) -> tuple[float, NDArray[np.float64]]:
-    """Return the cost of putting one graph's level on another's, and the plan."""
+    """Return the cost of putting one graph's level on another's, and the plan.
+
+    Scores take few soft steps, which is what ranks best and fastest. Correspondences are `sharp`: more steps with less
+    entropy, so that a part is carried to one other.
+    """
     plan = np.zeros((query.masses.shape[1], other.masses.shape[1]), dtype=np.float32)
     cost = kernels.transport(
         query.masses[index], query.features[index], query.squares[index], query.distances[index],
         other.masses[place], other.features[place], other.squares[place], other.distances[place],
-        ALPHA, EPSILON, OUTER, ROUNDS, relaxed, plan,
+        ALPHA, SHARP_EPSILON if sharp else EPSILON, SHARP_OUTER if sharp else OUTER,
+        SHARP_ROUNDS if sharp else ROUNDS, relaxed, plan,
     )  # fmt: skip
     return float(cost), plan.astype(np.float64)
 
 
-def _match_level(level: PackedLevel, number: int, k: int, l: int, partial: bool) -> LevelMatch:  # noqa: E741
-    cost, plan = transport_plan(level, 0, level, 1, relaxed=partial)
-    own = transport_plan(level, 0, level, 0, relaxed=True)[0] if partial else float(level.own.sum()) / 2
-    return LevelMatch(number, float(np.exp(-max(cost - own, 0.0) / UNLIKE)), plan[:k, :l])
-
-
-def _root_score(both: PackedGraphs) -> float:
-    distances = [
-        float(np.linalg.norm(values[0] - values[1]))
-        if name != "quantiles"
-        else float(np.abs(values[0] - values[1]).mean())
-        for name, values in sorted(both.whole.items())
-    ]
-    scores = [np.exp(-d / WHOLE_UNLIKE[name]) for d, name in zip(distances, sorted(both.whole), strict=True)]
+def _root_score(query: PackedGraphs, index: int, bank: PackedGraphs, place: int) -> float:
+    scores = []
+    for name, unlike in WHOLE_UNLIKE.items():
+        difference = query.whole[name][index] - bank.whole[name][place]
+        apart = np.abs(difference).mean() if name == "quantiles" else np.linalg.norm(difference)
+        scores.append(float(np.exp(-apart / unlike)))
     return float(np.mean(scores))

@@ -47,6 +47,8 @@ class PackedLevel:
     distances : (n, k, k)
     own : (n,)
         Cost of each graph with itself.
+    parts : (n,) int64
+        How many parts of each are real.
     """
 
     masses: Array32
@@ -54,6 +56,7 @@ class PackedLevel:
     squares: Array32
     distances: Array32
     own: Array32
+    parts: NDArray[np.int64]
 
     def __len__(self) -> int:
         return len(self.masses)
@@ -96,9 +99,10 @@ def pack_level(args: Sequence[Arg], level: int, blocks: Blocks = BLOCKS) -> Pack
         features[i, :p] = (node.features[:, order].astype(np.float64) - words.node_mean[order]) * scale
         distances[i, :p, :p] = node.distances
     squares = np.einsum("nkd,nkd->nk", features, features)
-    bare = PackedLevel(masses, features, squares, distances, np.zeros(n, np.float32))
+    parts = np.array([arg.levels[level].parts for arg in args])
+    bare = PackedLevel(masses, features, squares, distances, np.zeros(n, np.float32), parts)
     own = np.array([bare.costs(bare, i, np.array([i]))[0] for i in range(n)], dtype=np.float32)
-    return PackedLevel(masses, features, squares, distances, own)
+    return PackedLevel(masses, features, squares, distances, own, parts)
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +149,7 @@ def whole_arrays(args: Sequence[Arg]) -> dict[str, Array32]:
         row[arg.whole["view_words"]] = arg.whole["view_weights"].astype(np.float32)
     views = np.sqrt(views) * np.maximum(words.view_rarity, 0.0)
     views /= np.maximum(np.linalg.norm(views, axis=1, keepdims=True), 1e-12)
-    same = ("covariance", "scale_invariant", "quantiles")
+    same = ("covariance", "quantiles")
     whole = {name: np.stack([arg.whole[name] for arg in args]) for name in same}
     whole["wave_words"] = np.sqrt(np.stack([arg.whole["wave_words"] for arg in args]))
     whole["views"] = views

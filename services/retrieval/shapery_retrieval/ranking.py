@@ -19,12 +19,14 @@ from numpy.typing import NDArray
 
 from shapery_retrieval.packing import PackedGraphs
 
-GROUPS: Mapping[str, tuple[str, ...]] = {
-    "parts": ("parts",),
-    "views": ("views",),
-    "intrinsic": ("covariance", "scale_invariant", "quantiles", "wave_words"),
+GROUPS: Mapping[str, Mapping[str, float]] = {
+    "parts": {"parts": 1.0},
+    "views": {"views": 1.0},
+    "intrinsic": {"covariance": 0.4, "quantiles": 0.4, "wave_words": 0.2},
 }
-"""Cues of like nature vote together; ``parts`` is the matching of the graphs below the root."""
+"""Cues of like nature vote together, with these weights; ``parts`` is the matching of the graphs below the root."""
+TRUST: Mapping[str, float] = {"parts": 1.0, "views": 2.0, "intrinsic": 1.0}
+"""How much a contrast is worth: views never set shapes apart as clearly as numbers of the surface do."""
 WHOLE_CUES = tuple(cue for cues in GROUPS.values() for cue in cues if cue != "parts")
 
 RANK = 12
@@ -32,8 +34,9 @@ RANK = 12
 NEAR, FAR = 8, (16, 48)
 """Contrast is the mean affinity of so many nearest less that of these ranks."""
 FLOOR = 0.02
-DAMPING = 0.95
-MOST_NEIGHBOURS = 12
+DAMPING = 0.9
+MOST_NEIGHBOURS, NEIGHBOUR_SHARE = 10, 0.15
+ONE_SIDED = 0.1
 
 Array = NDArray[np.float64]
 
@@ -68,7 +71,8 @@ def local_scale(distances: Array) -> float:
     if not len(finite):
         return 1.0
     rank = min(RANK, max(1, (len(finite) + 1) // 2))
-    return max(float(np.partition(finite, rank - 1)[rank - 1]), 1e-6)
+    # below this lies what single precision makes of no distance at all
+    return max(float(np.partition(finite, rank - 1)[rank - 1]), 1e-3)
 
 
 def affinity(distances: Array, scale: float | Array, scales: Array) -> Array:
@@ -87,9 +91,15 @@ def contrast(affinities: Array) -> Array:
 
 
 def gate(contrasts: Mapping[str, Array]) -> dict[str, Array]:
-    """Weights of the groups from their contrasts: c² / Σ c²."""
-    total = sum(c**2 for c in contrasts.values())
-    return {group: np.asarray(c**2 / total) for group, c in contrasts.items()}
+    """Weights of the groups from their contrasts: c² over its sum, each group's trust considered."""
+    strength = {group: TRUST[group] * c**2 for group, c in contrasts.items()}
+    total = sum(strength.values())
+    return {group: np.asarray(s / total) for group, s in strength.items()}
+
+
+def voted(group: str, affinities: Mapping[str, Array]) -> Array:
+    """Return the affinities by a group from those by its cues."""
+    return np.asarray(sum(weight * affinities[cue] for cue, weight in GROUPS[group].items()))
 
 
 def diffuse(scores: Array) -> Array:
@@ -103,33 +113,23 @@ def diffuse(scores: Array) -> Array:
     Returns
     -------
     (n, n) symmetric, in [0, 1]
-        (I − 0.95 N)⁻¹, normalised by its diagonal, where N is the normalised graph of each item's neighbours. How many
-        neighbours an item has follows from its scores: those that stand out, at most `MOST_NEIGHBOURS`.
+        (I − 0.9 N)⁻¹, normalised by its diagonal, where N is the normalised graph of mutual neighbours; one-sided ones
+        count a tenth. How many neighbours an item has follows the density around it: those whose strength, the cube of
+        the score, is a share of that of the nearest three, at most `MOST_NEIGHBOURS`.
     """
     n = len(scores)
-    if n < 3:
+    if n < 4:
         return scores
-    strength = ((scores + scores.T) / 2) ** 2
+    strength = ((scores + scores.T) / 2) ** 3
     np.fill_diagonal(strength, 0.0)
-    graph = np.zeros((n, n))
-    most = min(MOST_NEIGHBOURS, n - 1)
-    order = np.argsort(-strength, axis=1, kind="stable")[:, :most]
+    order = np.argsort(-strength, axis=1, kind="stable")[:, : min(MOST_NEIGHBOURS, n - 1)]
     values = np.take_along_axis(strength, order, axis=1)
-    keep = neighbour_counts(values)
-    rows = np.repeat(np.arange(n), keep)
-    columns = np.concatenate([order[i, : keep[i]] for i in range(n)])
-    graph[rows, columns] = strength[rows, columns]
-    graph = np.maximum(graph, graph.T)
+    near = values > NEIGHBOUR_SHARE * values[:, :3].mean(axis=1, keepdims=True)
+    chosen = np.zeros((n, n), dtype=bool)
+    np.put_along_axis(chosen, order, near, axis=1)
+    graph = strength * np.where(chosen & chosen.T, 1.0, np.where(chosen | chosen.T, ONE_SIDED, 0.0))
     degrees = np.maximum(graph.sum(axis=1), 1e-12)
-    normalised = graph / np.sqrt(np.outer(degrees, degrees))
-    flow = np.linalg.inv(np.eye(n) - DAMPING * normalised)
-    diagonal = np.sqrt(np.diag(flow))
-    flow /= np.outer(diagonal, diagonal)
+    flow = np.linalg.inv(np.eye(n) - DAMPING * graph / np.sqrt(np.outer(degrees, degrees)))
+    root = np.sqrt(np.diag(flow))
     # where no path leads the first scores still order what remains
-    return np.asarray((flow + 1e-3 * scores) / (1 + 1e-3))
-
-
-def neighbour_counts(values: Array) -> NDArray[np.int64]:
-    """(n,) how many of the (n, k) falling strengths belong to the neighbourhood: those above a share of the best."""
-    best = values[:, :2].mean(axis=1, keepdims=True)
-    return np.asarray(np.maximum((values > 0.25 * best).sum(axis=1), 2))
+    return np.asarray((flow / np.outer(root, root) + 1e-3 * scores) / (1 + 1e-3))

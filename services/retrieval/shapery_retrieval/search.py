@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from shapery_contracts.errors import InvalidInput
 from shapery_retrieval.arg import Arg
-from shapery_retrieval.matching import UNLIKE, Match, match
+from shapery_retrieval.matching import UNLIKE, Match, match_packed
 from shapery_retrieval.packing import PackedGraphs, pack
 from shapery_retrieval.ranking import (
     GROUPS,
@@ -21,6 +21,7 @@ from shapery_retrieval.ranking import (
     gate,
     local_scale,
     part_distances,
+    voted,
     whole_distances,
 )
 
@@ -69,8 +70,7 @@ class Searcher:
 
     def __init__(self, args: Mapping[str, Arg]) -> None:
         self.ids: list[str] = sorted(args)
-        self._args = dict(args)
-        self._place = {name: place for place, name in enumerate(self.ids)}
+        self._version = args[self.ids[0]].index_version if args else None
         self._graphs: PackedGraphs | None = pack([args[name] for name in self.ids]) if args else None
         self._scales: dict[str, Array] | None = None
         self._near: NDArray[np.int64] | None = None
@@ -99,32 +99,35 @@ class Searcher:
         """
         if self._graphs is None:
             return Answer((), {group: 1 / len(GROUPS) for group in GROUPS}, 0)
-        if query.index_version != self._args[self.ids[0]].index_version:
+        if query.index_version != self._version:
             raise InvalidInput("conflict", "The query and the bank are of different index versions.", "Index it again.")
         allowed = np.array([name != exclude for name in self.ids])
+        packed = pack([query])
         if partial:
-            scores, weights, compared = self._partial_scores(query, allowed), {"parts": 1.0}, int(allowed.sum())
+            scores, weights, compared = self._partial_scores(packed, allowed), {"parts": 1.0}, int(allowed.sum())
         else:
-            scores, weights, compared = self._scores(pack([query]), allowed)
+            scores, weights, compared = self._scores(packed, 0, allowed)
         order = np.flatnonzero(allowed)[np.argsort(-scores[allowed], kind="stable")]
         if rerank and not partial:
             order, scores = self._reranked(scores, order)
         hits = [
-            Hit(self.ids[i], float(scores[i]), match(query, self._args[self.ids[i]], partial=partial))
+            Hit(self.ids[i], float(scores[i]), match_packed(packed, 0, self._graphs, i, partial=partial))
             for i in order[:limit].tolist()
         ]
         return Answer(tuple(hits), weights, compared)
 
-    def _scores(self, query: PackedGraphs, allowed: NDArray[np.bool_]) -> tuple[Array, dict[str, float], int]:
+    def _scores(
+        self, query: PackedGraphs, index: int, allowed: NDArray[np.bool_]
+    ) -> tuple[Array, dict[str, float], int]:
         assert self._graphs is not None
         scales, _ = self._neighbourhoods()
         found: dict[str, Array] = {}
-        for cue, distances in whole_distances(query, 0, self._graphs).items():
+        for cue, distances in whole_distances(query, index, self._graphs).items():
             found[cue] = affinity(distances, local_scale(distances[allowed]), scales[cue])
-        groups = {g: np.mean([found[c] for c in cues], axis=0) for g, cues in GROUPS.items() if g != "parts"}
+        groups = {group: voted(group, found) for group in GROUPS if group != "parts"}
         first = np.where(allowed, sum(groups.values()), -1.0)
         chosen = np.argsort(-first, kind="stable")[: min(MATCHED, int(allowed.sum()))]
-        distances = part_distances(query, 0, self._graphs, chosen)
+        distances = part_distances(query, index, self._graphs, chosen)
         parts = np.zeros(len(self.ids))
         parts[chosen] = affinity(distances, local_scale(distances), self._part_scales_of(chosen))
         groups = {"parts": parts, **groups}
@@ -147,9 +150,10 @@ class Searcher:
             }
             fused = np.zeros((n, n), dtype=np.float32)
             for group, cues in GROUPS.items():
-                for cue in cues if group != "parts" else ():
-                    scale = self._scales[cue]
-                    fused += np.exp(-(rows[cue] ** 2) / np.outer(scale, scale)) / len(cues)
+                for cue, weight in cues.items() if group != "parts" else ():
+                    scale = self._scales[cue].astype(np.float32)
+                    fused += np.float32(weight) * np.exp(-(rows[cue] ** 2) / np.outer(scale, scale))
+            np.fill_diagonal(fused, -1.0)
             self._near = np.argsort(-fused, axis=1, kind="stable")[:, : min(MATCHED, n - 1)]
         return self._scales, self._near
 
@@ -161,13 +165,12 @@ class Searcher:
             self._part_scales[i] = local_scale(part_distances(self._graphs, i, self._graphs, near[i]))
         return np.asarray(self._part_scales[chosen])
 
-    def _partial_scores(self, query: Arg, allowed: NDArray[np.bool_]) -> Array:
+    def _partial_scores(self, query: PackedGraphs, allowed: NDArray[np.bool_]) -> Array:
         """Return e to the relaxed cost on the best level; all shapes are matched, because no vector tells of parts."""
         assert self._graphs is not None
-        packed = pack([query])
         chosen = np.flatnonzero(allowed)
         best = np.full(len(chosen), np.inf)
-        for own, others in zip(packed.levels, self._graphs.levels, strict=True):
+        for own, others in zip(query.levels, self._graphs.levels, strict=True):
             itself = float(own.costs(own, 0, np.array([0]), relaxed=True)[0])
             best = np.minimum(best, np.maximum(own.costs(others, 0, chosen, relaxed=True) - itself, 0.0))
         scores = np.full(len(self.ids), -1.0)
@@ -185,7 +188,7 @@ class Searcher:
         for row, i in enumerate(pool.tolist(), start=1):
             allowed = everyone.copy()
             allowed[i] = False
-            square[row, 1:] = self._scores(pack([self._args[self.ids[i]]]), allowed)[0][pool]
+            square[row, 1:] = self._scores(self._graphs, i, allowed)[0][pool]
             square[row, row] = 1.0
         flowed = diffuse(square)[0, 1:]
         result = scores * 1e-3
@@ -222,15 +225,13 @@ def score_matrix(args: Sequence[Arg], *, rerank: bool = False) -> Array:
 
 def fused_scores(query: Mapping[str, Array], bank: Mapping[str, Array]) -> Array:
     """(m,) scores of a query from its (m,) distances by each cue and the bank's own (m, m) ones."""
-    groups = {}
-    for group, cues in GROUPS.items():
-        found = []
-        for cue in cues:
-            square = bank[cue].copy()
-            np.fill_diagonal(square, np.inf)
-            scales = np.array([local_scale(row) for row in square])
-            found.append(affinity(query[cue], local_scale(query[cue]), scales))
-        groups[group] = np.mean(found, axis=0)
+    found = {}
+    for cue, distances in query.items():
+        square = bank[cue].copy()
+        np.fill_diagonal(square, np.inf)
+        scales = np.array([local_scale(row) for row in square])
+        found[cue] = affinity(distances, local_scale(distances), scales)
+    groups = {group: voted(group, found) for group in GROUPS}
     weights = gate({group: contrast(values) for group, values in groups.items()})
     return np.asarray(sum(float(weights[group]) * groups[group] for group in groups))
 

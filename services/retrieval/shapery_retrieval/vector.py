@@ -17,7 +17,7 @@ from shapery_retrieval.arg import Arg
 from shapery_retrieval.matching import WHOLE_UNLIKE
 from shapery_retrieval.packing import whole_arrays
 
-SHARES = {"covariance": 56, "quantiles": 56, "scale_invariant": 40, "views": 104}
+SHARES = {"covariance": 72, "quantiles": 72, "views": 112}
 """How many of the numbers each descriptor gets."""
 
 

@@ -4,8 +4,6 @@ References
 ----------
 H. Tabia, H. Laga, D. Picard, P.-H. Gosselin, Covariance descriptors for 3D shape matching and retrieval, CVPR 2014,
 doi:10.1109/CVPR.2014.533.
-M. Bronstein, I. Kokkinos, Scale-invariant heat kernel signatures for non-rigid shape recognition, CVPR 2010,
-doi:10.1109/CVPR.2010.5539838.
 A. Bronstein, M. Bronstein, L. Guibas, M. Ovsjanikov, Shape Google, ACM TOG 30(1), 2011, doi:10.1145/1899404.1899405.
 R. Osada, T. Funkhouser, B. Chazelle, D. Dobkin, Shape distributions, ACM TOG 21(4), 2002, doi:10.1145/571647.571648.
 """
@@ -24,8 +22,6 @@ from shapery_retrieval.views import view_features
 from shapery_retrieval.vocabulary import Vocabulary, vocabulary
 
 QUANTILES = (np.arange(9) + 0.5) / 9
-SCALE_TIMES = np.geomspace(2e-3, 2.0, 33)
-FREQUENCIES = 8
 RIDGE = 1e-2
 """Added to covariances of signals of about unit spread, before their logarithm."""
 
@@ -36,7 +32,6 @@ def whole_descriptors(mesh: TriangleMesh, signals: Signals) -> dict[str, NDArray
     entries, weights = view_words(view_features(mesh), words)
     return {
         "covariance": signal_covariance(signals).astype(np.float32),
-        "scale_invariant": scale_invariant_covariance(signals).astype(np.float32),
         "quantiles": signal_quantiles(signals).astype(np.float32),
         "wave_words": wave_words(signals, words).astype(np.float32),
         "view_words": entries,
@@ -57,16 +52,6 @@ def signal_covariance(signals: Signals) -> NDArray[np.float64]:
         ),
         axis=1,
     )
-    return _log_moments(mixed, signals.areas)
-
-
-def scale_invariant_covariance(signals: Signals) -> NDArray[np.float64]:
-    """Logarithm of the second moments of scale-invariant heat kernel signatures, as a vector."""
-    spectrum = signals.spectrum
-    decay = np.exp(-spectrum.values[1:, None] * SCALE_TIMES)
-    heat = np.log(1.0 + spectrum.functions[:, 1:] ** 2 @ decay)
-    frequencies = np.abs(np.fft.rfft(np.diff(heat, axis=1), axis=1))[:, :FREQUENCIES]
-    mixed = np.concatenate((np.log(frequencies + 1e-3) / 0.5, np.ones((len(heat), 1))), axis=1)
     return _log_moments(mixed, signals.areas)
 
 
