@@ -14,7 +14,7 @@ from shapery_contracts.errors import InvalidInput
 from shapery_geometry.volume import Volume
 from shapery_segmentation.objects import spread
 from shapery_segmentation.vessels import _border_kernels as kernels
-from shapery_segmentation.vessels.border import find_border
+from shapery_segmentation.vessels.border import find_border, within
 from shapery_segmentation.vessels.evidence import BLOCK, gather_evidence
 
 BoolArray = NDArray[np.bool_]
@@ -134,9 +134,8 @@ def find_microhemorrhages(
     if vessels is not None:
         vessel = np.ascontiguousarray(order.apply_array(vessels))
 
-    far = ndimage.distance_transform_edt(~objects, sampling=grid.spacing)
-    around = (far <= reach) & ~objects
-    blocked = vessel | (ndimage.distance_transform_edt(~vessel) <= BESIDE) if vessel.any() else vessel
+    around = within(objects, grid.spacing, reach) & ~objects
+    blocked = within(vessel, (1.0, 1.0, 1.0), BESIDE)
     check()
     evidence = gather_evidence(values, grid.spacing, polarity, around)
     excess = _excess(evidence.smoothed, evidence.background)

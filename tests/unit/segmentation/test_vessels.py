@@ -49,9 +49,10 @@ def _check(found: Vessels, truth: VesselPhantom, iou: float) -> None:
         assert len(self_intersections(surface)) == 0
     drawn = truth.centerline[truth.volume.contains(truth.centerline)]
     middle = np.concatenate([branch.points for branch in found.branches])
-    # Two voxels: at forks a middle is a matter of definition over about a radius.
-    assert _near(drawn, middle, 2.0 * max(truth.volume.spacing)) >= 0.95
-    assert _near(middle, truth.centerline, 2.0 * max(truth.volume.spacing)) >= 0.95
+    # Within a voxel; at forks, where a middle is a matter of definition, within two.
+    for line, other in ((drawn, middle), (middle, truth.centerline)):
+        assert _near(line, other, max(truth.volume.spacing)) >= 0.95
+        assert _near(line, other, 2.0 * max(truth.volume.spacing)) >= 0.98
 
 
 def test_a_tree_beside_a_tumor(tree: VesselPhantom, found: Vessels) -> None:

@@ -414,3 +414,36 @@ def surround(points: Array, faces: Array, normals: Array, square: Array) -> None
             for axis in range(3):
                 normals[v, axis] /= size
         square[v] /= max(count[v], 1.0)
+
+
+@njit(cache=True, nogil=True)
+def distances(mask: Array, spacing: Array, most: float, distance: Array) -> None:
+    """Write how far each voxel is from the voxels of a mask, in mm, in two sweeps over its 26 neighbours.
+
+    Between the directions of neighbours it is too long by up to a twelfth. Beyond `most` it is `most`.
+    """
+    ni, nj, nk = mask.shape
+    for i in range(ni):
+        for j in range(nj):
+            for k in range(nk):
+                distance[i, j, k] = 0.0 if mask[i, j, k] else most
+    length = np.empty(26)
+    for n in range(26):
+        length[n] = np.sqrt(
+            (NEIGHBOURS[n, 0] * spacing[0]) ** 2
+            + (NEIGHBOURS[n, 1] * spacing[1]) ** 2
+            + (NEIGHBOURS[n, 2] * spacing[2]) ** 2
+        )
+    # The first 13 neighbours come before a voxel in memory, the others after it.
+    for turn in range(2):
+        for at in range(ni * nj * nk):
+            here = at if turn == 0 else ni * nj * nk - 1 - at
+            i, j, k = here // (nj * nk), here // nk % nj, here % nk
+            least = distance[i, j, k]
+            if least == 0.0:
+                continue
+            for n in range(13 * turn, 13 * turn + 13):
+                a, b, c = i + NEIGHBOURS[n, 0], j + NEIGHBOURS[n, 1], k + NEIGHBOURS[n, 2]
+                if 0 <= a < ni and 0 <= b < nj and 0 <= c < nk:
+                    least = min(least, distance[a, b, c] + length[n])
+            distance[i, j, k] = least

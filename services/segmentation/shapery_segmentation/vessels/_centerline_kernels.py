@@ -116,7 +116,7 @@ def _pop(heap: Array, place: Array, key: Array, size: int) -> int:
 
 @njit(cache=True, nogil=True)
 def cover(index: Array, voxels: Array, path: Array, reach: Array, spacing: Array, covered: Array) -> None:
-    """Mark the voxels within `reach` (mm, one for each) of the voxels of a path."""
+    """Note at the voxels within `reach` (mm, one for each) of the voxels of a path the first of these, if none is."""
     for n in range(path.shape[0]):
         v = path[n]
         r = reach[n]
@@ -130,5 +130,5 @@ def cover(index: Array, voxels: Array, path: Array, reach: Array, spacing: Array
                     p, q, s = voxels[v, 0] + i, voxels[v, 1] + j, voxels[v, 2] + k
                     if 0 <= p < index.shape[0] and 0 <= q < index.shape[1] and 0 <= s < index.shape[2]:
                         w = index[p, q, s]
-                        if w >= 0:
-                            covered[w] = True
+                        if w >= 0 and covered[w] < 0:
+                            covered[w] = v

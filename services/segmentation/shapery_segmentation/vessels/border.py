@@ -62,6 +62,30 @@ class Border:
     voxels: IntArray
 
 
+def within(mask: NDArray[np.bool_], spacing: tuple[float, float, float], reach: float) -> NDArray[np.bool_]:
+    """Return the voxels within `reach` mm of those of a mask, themselves included; to a twelfth of the distance.
+
+    Parameters
+    ----------
+    mask : (I, J, K) bool
+    spacing
+        mm.
+    reach
+        mm.
+    """
+    near = np.zeros(mask.shape, dtype=np.bool_)
+    spans = [np.flatnonzero(mask.any(axis=tuple(a for a in range(3) if a != axis))) for axis in range(3)]
+    if not len(spans[0]):
+        return near
+    pads = [int(reach / s) + 1 for s in spacing]
+    box = tuple(slice(max(int(s[0]) - p, 0), int(s[-1]) + p + 1) for s, p in zip(spans, pads, strict=True))
+    part = np.ascontiguousarray(mask[box])
+    distance = np.empty(part.shape, dtype=np.float32)
+    kernels.distances(part, np.array(spacing), 2.0 * reach + 1.0, distance)
+    near[box] = distance <= reach
+    return near
+
+
 def find_border(
     evidence: Evidence, seeds: NDArray[np.int64], *, most: int, blocked: NDArray[np.bool_] | None = None
 ) -> Border:

@@ -20,6 +20,9 @@ IntArray = NDArray[np.int64]
 COVERED = 1.3
 """Radii around a centerline that belong to it; what sticks out further is a branch."""
 
+JOINING = 0.6
+"""Radii around a centerline within which another one joins it."""
+
 LEAST_LENGTH = 2.0
 """Radii of the vessel it leaves by which a branch must stick out of it."""
 
@@ -80,7 +83,6 @@ def find_centerlines(mask: BoolArray, grid: Volume) -> tuple[Branch, ...]:
     low = index.min(axis=0) - 1
     box = np.pad(mask[tuple(slice(a, b) for a, b in zip(low + 1, index.max(axis=0) + 1, strict=True))], 1)
     spacing = np.array(grid.spacing)
-    depth = ndimage.distance_transform_edt(box, sampling=spacing)
     parts, count = ndimage.label(box, np.ones((3, 3, 3)))
     sizes = np.bincount(parts.ravel(), minlength=count + 1)[1:]
     voxels = np.argwhere(box).astype(np.int32)
@@ -88,21 +90,42 @@ def find_centerlines(mask: BoolArray, grid: Volume) -> tuple[Branch, ...]:
     ranks[tuple(voxels.T)] = np.arange(len(voxels), dtype=np.int32)
     of_part = parts[tuple(voxels.T)] - 1
     by_part = np.split(np.argsort(of_part, kind="stable"), np.cumsum(np.bincount(of_part, minlength=count))[:-1])
-    inner = depth[tuple(voxels.T)]
+    cut = ((voxels + low == 0) | (voxels + low == np.array(mask.shape) - 1)).any(axis=1)
+    inner = _depths(ranks, voxels, spacing, -low, np.array(mask.shape) - low)
     steps = NEIGHBOURS
     lengths = np.linalg.norm(steps * spacing, axis=1)
     centers = grid.to_world(voxels + low)
     branches: list[Branch] = []
     for tree, part in enumerate(np.argsort(-sizes, kind="stable")):
-        paths = _paths(ranks, voxels, inner, by_part[part], steps, lengths, spacing)
+        paths = _paths(ranks, voxels, inner, by_part[part], steps, lengths, spacing, cut)
         if paths:
             branches += _measured(paths, centers, by_part[part], inner, grid.voxel_volume, tree)
     return tuple(branches)
 
 
+def _depths(
+    ranks: NDArray[np.int32], voxels: NDArray[np.int32], spacing: FloatArray, first: IntArray, end: IntArray
+) -> FloatArray:
+    """Return the distance (n,) in mm of each voxel from the nearest one outside; memory follows the surface.
+
+    Beyond the volume, whose first voxel is `first` and whose past-the-end one `end`, nothing is outside: there the
+    vessel goes on.
+    """
+    outside = []
+    for step in NEIGHBOURS:
+        beside = voxels + step.astype(np.int32)
+        outside.append(beside[(ranks[tuple(beside.T)] < 0) & ((beside >= first) & (beside < end)).all(axis=1)])
+    if not sum(len(part) for part in outside):
+        return np.full(len(voxels), float(spacing.max()))
+    code = np.unique(np.ravel_multi_index(tuple(np.concatenate(outside).T), ranks.shape))
+    rim = np.stack(np.unravel_index(code, ranks.shape), axis=1)
+    distance, _ = cKDTree(rim * spacing).query(voxels * spacing)
+    return np.asarray(distance, dtype=np.float64)
+
+
 def _paths(
     ranks: NDArray[np.int32], voxels: NDArray[np.int32], depth: FloatArray, members: IntArray, steps: IntArray,
-    lengths: FloatArray, spacing: FloatArray,
+    lengths: FloatArray, spacing: FloatArray, cut: BoolArray,
 ) -> list[IntArray]:  # fmt: skip
     """Return the paths of one tree, split at forks, as ranks of voxels."""
     n = len(voxels)
@@ -114,23 +137,37 @@ def _paths(
     plain = np.ones(n)
     deepest = int(members[np.argmax(depth[members])])
     spread(plain, deepest)
-    root = int(members[np.argmax(distance[members])])
+    at_cut = members[cut[members]]
+
+    def centered(end: int) -> int:
+        """Return the middle of the cross-section that the volume's border cuts, where the end lies in one."""
+        if not cut[end]:
+            return end
+        near = at_cut[np.linalg.norm((voxels[at_cut] - voxels[end]) * spacing, axis=1) <= 2.5 * depth[at_cut]]
+        if not len(near):
+            return end
+        deep = near[depth[near] >= 0.8 * depth[near].max()]
+        places = voxels[deep] * spacing
+        return int(deep[np.argmin(np.linalg.norm(places - places.mean(axis=0), axis=1))])
+
+    root = centered(int(members[np.argmax(distance[members])]))
     spread(plain, root)
     far = distance.copy()
     # Relative to the voxel, so that the cost does not depend on the unit; the wall's own voxels have half a voxel.
     spread(1.0 / np.square(depth / spacing.min()), root)
 
-    covered = np.ones(n, dtype=np.bool_)
-    covered[members] = False
-    on_path = np.full(n, -1, dtype=np.int64)
+    covered, joining = np.full(n, -1, dtype=np.int64), np.full(n, -1, dtype=np.int64)
     paths: list[IntArray] = []
     order = members[np.argsort(-far[members], kind="stable")]
     for end in order:
-        if covered[end]:
+        if covered[end] >= 0:
             continue
-        path = [int(end)]
-        while parent[path[-1]] >= 0 and on_path[path[-1]] < 0:
+        path = [centered(int(end))]
+        while parent[path[-1]] >= 0 and joining[path[-1]] < 0:
             path.append(int(parent[path[-1]]))
+        if joining[path[-1]] >= 0 and joining[path[-1]] != path[-1]:
+            # Near another path: from here on they would run side by side.
+            path.append(int(joining[path[-1]]))
         line = np.array(path, dtype=np.int64)
         if paths:
             joint = line[-1]
@@ -140,18 +177,20 @@ def _paths(
                 kernels.cover(ranks, voxels, line, COVERED * depth[line] + spacing.max(), spacing, covered)
                 continue
         kernels.cover(ranks, voxels, line, COVERED * depth[line] + spacing.max(), spacing, covered)
-        on_path[line] = len(paths)
+        joining[line] = line
+        kernels.cover(ranks, voxels, line, JOINING * depth[line], spacing, joining)
         paths.append(line)
-    return _split(paths, depth, voxels * spacing)
+    return _split(paths, depth, voxels * spacing, cut)
 
 
-def _split(paths: list[IntArray], depth: FloatArray, places: FloatArray) -> list[IntArray]:
+def _split(paths: list[IntArray], depth: FloatArray, places: FloatArray, cut: BoolArray) -> list[IntArray]:
     """Cut paths where others join them, and their free ends where the wall begins to close in on them."""
     joints = {int(path[-1]) for path in paths[1:]}
     pieces: list[IntArray] = []
     for number, path in enumerate(paths):
-        path = _trimmed(path, depth, places)
-        if number == 0:
+        if not cut[path[0]]:
+            path = _trimmed(path, depth, places)
+        if number == 0 and not cut[path[-1]]:
             path = _trimmed(path[::-1], depth, places)[::-1]
         cuts = [at for at in range(1, len(path) - 1) if int(path[at]) in joints]
         for first, last in zip([0, *cuts], [*cuts, len(path) - 1], strict=True):

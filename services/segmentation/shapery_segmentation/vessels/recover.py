@@ -14,7 +14,7 @@ from shapery_contracts.errors import InvalidInput
 from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.rasterize import rasterize
 from shapery_geometry.volume import Reorientation, Volume
-from shapery_segmentation.vessels.border import Border, find_border
+from shapery_segmentation.vessels.border import Border, find_border, within
 from shapery_segmentation.vessels.centerline import Branch, find_centerlines
 from shapery_segmentation.vessels.evidence import Evidence, gather_evidence
 from shapery_segmentation.vessels.tracking import edge_length, relative_box, track_tree
@@ -229,8 +229,8 @@ def _trees(
             break
         check()
         place = places[label - 1]
-        part = labels[place] == label
-        corner = np.array([s.start for s in place])
+        part = np.pad(labels[place] == label, 1)
+        corner = np.array([s.start - 1 for s in place])
         affine = field.affine.copy()
         affine[:3, 3] += affine[:3, :3] @ corner
         rough = find_centerlines(part, Volume(part, affine))
@@ -265,14 +265,7 @@ def _near(region: BoolArray, grid: Volume) -> BoolArray:
     """Return the voxels within `REACH` of a region."""
     if not region.any():
         raise InvalidInput("invalid_params", "The region around which to look for vessels is empty.")
-    index = np.argwhere(region)
-    pad = np.ceil(REACH / np.array(grid.spacing)).astype(int) + 1
-    low = np.maximum(index.min(axis=0) - pad, 0)
-    high = np.minimum(index.max(axis=0) + pad + 1, grid.shape)
-    box = tuple(slice(a, b) for a, b in zip(low, high, strict=True))
-    near = np.zeros(grid.shape, dtype=np.bool_)
-    near[box] = ndimage.distance_transform_edt(~region[box], sampling=grid.spacing) <= REACH
-    return near
+    return within(region, grid.spacing, REACH)
 
 
 def _given(seeds: Sequence[ArrayLike], grid: Volume, evidence: Evidence) -> NDArray[np.int64]:
