@@ -121,8 +121,8 @@ def encode(
     if not vertices:
         raise InvalidInput("empty_content", "The frames have no vertices.")
     on_progress("read", 0.0)
-    original = _measure(sequence, faces, check_cancelled)
-    allowed, warnings = _allowed(original, params, count * vertices)
+    original, farthest = _measure(sequence, faces, check_cancelled)
+    allowed, warnings = _allowed(original, farthest, params, count * vertices)
     profile = get_profile(params.profile)
     sizes = _group_sizes(count, vertices, params)
     if any(key >= count for key in params.key_frames):
@@ -138,7 +138,7 @@ def encode(
         check_cancelled()
 
         def report(fraction: float, done: int = first, here: int = len(frames)) -> None:
-            on_progress("encode", 0.05 + 0.9 * (done + fraction * here) / count)
+            on_progress("encode", min(0.95, 0.05 + 0.9 * (done + fraction * here) / count))
 
         task = GroupTask(
             frames=frames,
@@ -289,16 +289,19 @@ def _batches(sequence: MeshSequence | SequenceFile, sizes: list[int]) -> Iterato
 
 def _measure(
     sequence: MeshSequence | SequenceFile, faces: IntArray, check_cancelled: Callable[[], None]
-) -> SequenceErrors:
-    """Return the measures of the original alone: its spread, edges and diagonal."""
-    meter = ErrorMeter(faces, _shape(sequence)[1], surface=False)
+) -> tuple[SequenceErrors, float]:
+    """Return the measures of the original alone, its spread, edges and diagonal, and its largest coordinate."""
+    meter, farthest = ErrorMeter(faces, _shape(sequence)[1], surface=False), 0.0
     for frame in _frames(sequence):
         check_cancelled()
         meter.add(frame, frame)
-    return meter.result()
+        farthest = max(farthest, float(np.abs(frame).max()))
+    return meter.result(), farthest
 
 
-def _allowed(original: SequenceErrors, params: MotionEncodeParams, count: int) -> tuple[_Allowed, list[str]]:
+def _allowed(
+    original: SequenceErrors, farthest: float, params: MotionEncodeParams, count: int
+) -> tuple[_Allowed, list[str]]:
     """Turn the bounds into sums and distances."""
     kg, rmse, largest = params.kg, params.rmse, params.max_error
     vertices = count / len(original.frame_spread)
@@ -312,8 +315,8 @@ def _allowed(original: SequenceErrors, params: MotionEncodeParams, count: int) -
     if largest is not None and original.diagonal > 0.0:
         distance = largest * original.diagonal
     if squared == distance == math.inf:
-        warnings.append("The frames have no extent that the bound could refer to: they are kept as they are.")
-        squared = 1e-30 * count
+        warnings.append("The frames have no extent that the bound could refer to: single precision is kept.")
+        squared = (2.0**-22 * max(farthest, 1e-30)) ** 2 * count
     return _Allowed(squared, distance), warnings
 
 

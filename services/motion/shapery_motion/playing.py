@@ -16,7 +16,7 @@ from shapery_geometry.sequence import MeshSequence
 from shapery_motion.container.connectivity import unpack_connectivity
 from shapery_motion.container.corrections import Corrections
 from shapery_motion.container.header import Group, Header, Metadata, MotionLimits, unpack_groups
-from shapery_motion.container.sections import CONNECTIVITY, CORRECTIONS, GROUPS, HEAD, MAGIC, META, SectionReader
+from shapery_motion.container.sections import CONNECTIVITY, CORRECTIONS, END, GROUPS, HEAD, MAGIC, META, SectionReader
 from shapery_motion.profiles import OpenGroup, get_profile
 
 FrameArray = NDArray[np.float32] | NDArray[np.float64]
@@ -55,6 +55,8 @@ class Motion:
             )
         self.groups: list[Group] = unpack_groups(reader.next(GROUPS)[1], self.header)
         payload = reader.next(CONNECTIVITY)[1]
+        last = self.groups[-1]
+        SectionReader(self._data, last.offset + last.length, len(self._data)).next(END)
         self.faces: IntArray = unpack_connectivity(payload, self.header.vertices, self.header.faces)
         self.faces.setflags(write=False)
         self._firsts = np.array([group.first for group in self.groups])

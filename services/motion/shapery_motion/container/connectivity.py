@@ -12,9 +12,14 @@ from shapery_motion.entropy.stream import Stream
 
 
 def sorted_faces(faces: IntArray) -> IntArray:
-    """Return the faces as a decoder gives them: each begins with its smallest vertex, and they ascend."""
-    first = np.argmin(faces, axis=1)
-    turned = np.take_along_axis(faces, (first[:, None] + np.arange(3)) % 3, axis=1)
+    """Return the faces as a decoder gives them: each turned to the least of its three rotations, and ascending."""
+    turned = np.array(faces, dtype=np.int64).reshape(-1, 3)
+    for shift in (1, 2):
+        other = np.roll(faces, shift, axis=1)
+        # the first corner in which the two differ decides
+        differs = (other != turned).argmax(axis=1)[:, None]
+        less = (np.take_along_axis(other, differs, 1) < np.take_along_axis(turned, differs, 1))[:, 0]
+        turned[less] = other[less]
     order = np.lexsort((turned[:, 2], turned[:, 1], turned[:, 0]))
     return np.ascontiguousarray(turned[order], dtype=np.int32)
 

@@ -59,9 +59,9 @@ def pairing_tree(starts, neighbours):
             position[nodes[k]] = k
         before = made
         # small nodes choose first, and take the neighbour to which most edges per vertex lead
-        largest = 0
+        largest = sizes[nodes[0]]
         for k in range(count):
-            largest = max(largest, int(sizes[nodes[k]]))
+            largest = max(largest, sizes[nodes[k]])
         places = np.zeros(largest + 2, dtype=np.int64)
         for k in range(count):
             places[sizes[nodes[k]] + 1] += 1
@@ -73,7 +73,8 @@ def pairing_tree(starts, neighbours):
             order[places[size]] = k
             places[size] += 1
         matched = 0
-        for k in order:
+        for turn in range(count):
+            k = int(order[turn])
             a = nodes[k]
             if partner[a] >= 0:
                 continue
