@@ -21,6 +21,14 @@ from shapery_retrieval.describe import describe
 
 CACHE = Path(os.environ.get("SHAPERY_BENCH_CACHE", Path(tempfile.gettempdir()) / "shapery-bench"))
 _ROOT = Path(__file__).resolve().parents[2]
+_COMPARING = frozenset(
+    f"{name}.py"
+    for name in (
+        "_matching_kernels", "commands", "job", "laid_out", "local", "matching", "packing", "preview", "ranking",
+        "report", "search", "vector", "warm",
+    )
+)  # fmt: skip
+"""Sources that compare graphs or show shapes, and do not change what is computed from a mesh."""
 
 
 def _digest() -> str:
@@ -29,7 +37,7 @@ def _digest() -> str:
         folder = Path(str(package.__file__)).parent
         for path in sorted((*folder.rglob("*.py"), *folder.rglob("*.npz"))):
             # what compares graphs does not change them
-            if path.name not in {"ranking.py", "search.py", "matching.py", "commands.py", "job.py", "local.py"}:
+            if path.name not in _COMPARING:
                 digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
 
