@@ -23,6 +23,9 @@ FloatArray = NDArray[np.float64]
 PAYS = (1.5, 3.0, 6.0)
 """How many times the energy of its rounding a component must have; the best is taken, clustered the middle one."""
 
+COUNTS = (2, 4, 8, 16, 32, 64, 128)
+"""The numbers of clusters that are tried."""
+
 
 @dataclass(frozen=True, eq=False)
 class Part:
@@ -192,29 +195,37 @@ def _predicted(part: Part, whole: Rounded, walk: Traversal, labels: NDArray[np.i
     return np.stack(choices)[best, :, np.arange(k)].T.reshape(len(order), k)
 
 
-def clustered_pca(case: Case, kg: float, counts: tuple[int, ...] = (8, 16, 32), *, plain: bool = False) -> Coded | None:
+def clustered_pca(case: Case, kg: float, counts: tuple[int, ...] = COUNTS, *, plain: bool = False) -> Coded | None:
     """Trajectories in a basis for each cluster, with the number of clusters that does best.
 
-    `plain` is the method as it was published: rounded components through an entropy coder. Otherwise it has the
-    predictions and the fitting of the other peers.
+    The search goes from the middle of `counts` to either side for as long as that gains. `plain` is the method as it
+    was published: rounded components through an entropy coder. Otherwise it has the predictions and the fitting of the
+    other peers.
 
     References
     ----------
     M. Sattler, R. Sarlette, R. Klein, Simple and efficient compression of animation sequences, Symposium on Computer
     Animation 2005, doi:10.1145/1073368.1073398.
     """
-    best: Coded | None = None
-    for count in counts:
-        if count * 8 > case.frames.shape[1]:
-            continue
-        labels = subspace_clusters(case, count)
-        walk = traverse(case.faces, len(labels))
-        stream = IntegerStream(1)
-        stream.write(np.diff(labels[walk.vertex_order], prepend=0).reshape(-1, 1))
-        found = clustered(case, kg, labels, len(stream.finish()), {"clusters": count}, PAYS[1:2], plain=plain)
-        if found is not None and (best is None or found.motion_bytes < best.motion_bytes):
+    middle = len(counts) // 2
+    best = _with_clusters(case, kg, counts[middle], plain=plain)
+    for side in (counts[middle + 1 :], counts[:middle][::-1]):
+        for count in side:
+            found = _with_clusters(case, kg, count, plain=plain)
+            if found is None or (best is not None and found.motion_bytes >= best.motion_bytes):
+                break
             best = found
     return best
+
+
+def _with_clusters(case: Case, kg: float, count: int, *, plain: bool) -> Coded | None:
+    if count * 8 > case.frames.shape[1]:
+        return None
+    labels = subspace_clusters(case, count)
+    stream = IntegerStream(1)
+    order = traverse(case.faces, len(labels)).vertex_order
+    stream.write(np.diff(labels[order], prepend=0).reshape(-1, 1))
+    return clustered(case, kg, labels, len(stream.finish()), {"clusters": count}, PAYS[1:2], plain=plain)
 
 
 _CLUSTERS: dict[tuple[str, int], NDArray[np.int64]] = {}

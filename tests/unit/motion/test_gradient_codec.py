@@ -137,6 +137,16 @@ def test_the_bound_is_met_by_what_is_decoded(kg: float) -> None:
     assert ((found - frames) ** 2).sum() <= task.squared_error
 
 
+@pytest.mark.parametrize("vertices", [1, 2, 3])
+def test_few_vertices_do_not_err_like_the_mean_of_many(vertices: int) -> None:
+    rng = np.random.default_rng(vertices)
+    for _ in range(20):
+        frames = rng.random((2, vertices, 3))
+        task = GroupTask(frames, np.zeros((0, 3), np.int32), 1e-3 * vertices)
+        found = decoded(task, encode_group(task).sections)
+        assert ((found - frames) ** 2).sum() <= task.squared_error
+
+
 def test_a_bound_on_the_largest_error_is_met() -> None:
     frames = swaying()
     for largest in (0.2, 0.01, 1e-5):

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -71,6 +70,8 @@ class Group:
     step: float
     frames: list[KeyFrame | PredictedFrame] = field(default_factory=list)
     _factors: OrderedDict[tuple[int, int], Gluing] = field(default_factory=OrderedDict)
+    _sources: dict[int, FaceFrames] = field(default_factory=dict)
+    """The faces of the key frame that was used last, by its number."""
 
     def snapped(self, points: FloatArray) -> Integers:
         """Return the nearest whole multiples (…, 3) of the step."""
@@ -104,19 +105,14 @@ class Group:
         if name not in self._factors:
             stored = self.frames[key]
             assert isinstance(stored, KeyFrame)
-            source = self.sources[key] if key in self.sources else self._source(key, stored)
+            source = self._source(key, stored)
             self._factors[name] = Gluing(source, len(stored.positions), stored.anchors[:anchors]).factorise()
             while len(self._factors) > FACTORS_KEPT:
                 self._factors.popitem(last=False)
         self._factors.move_to_end(name)
         return self._factors[name]
 
-    @cached_property
-    def sources(self) -> dict[int, FaceFrames]:
-        """The faces of the key frame that was used last."""
-        return {}
-
     def _source(self, key: int, stored: KeyFrame) -> FaceFrames:
-        self.sources.clear()
-        self.sources[key] = face_frames(self.placed(stored.positions), self.faces)
-        return self.sources[key]
+        if key not in self._sources:
+            self._sources = {key: face_frames(self.placed(stored.positions), self.faces)}
+        return self._sources[key]
