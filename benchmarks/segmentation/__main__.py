@@ -38,9 +38,10 @@ def main() -> None:
     if not real:
         print(f"no real cases in {given.data.name}: put the data beside the checkout, or set SHAPERY_TEST_DATA")
     key = digest(digest_sources(*OUR_SOURCES), (Path(__file__).parent / "ours.py").read_text())
+    process = ours.Ours()
     results: dict[str, Any] = {"machine": _machine()}
     if "real" in given.part or "peers" in given.part:
-        results["real"] = [_ours(case, cache, key) for case in real]
+        results["real"] = [_ours(case, process, cache, key) for case in real]
     counted = [c for c, row in zip(real, results.get("real", []), strict=False) if _counts(row)]
     if "peers" in given.part and counted:
         results["peers"] = _peers(counted, cache, given.time_limit)
@@ -48,7 +49,8 @@ def main() -> None:
         results["settings"] = {c.name: cache.get(f"settings {c.name}", key, lambda c=c: _settings(c)) for c in counted}
     if "phantoms" in given.part:
         cases = [case for case in head_cases(given.cache) if _wanted(case, given.only)]
-        results["phantoms"] = [_ours(case, cache, key) for case in cases]
+        results["phantoms"] = [_ours(case, process, cache, key) for case in cases]
+    process.close()
     if "growth" in given.part:
         results["growth"] = _growth(cache, key, given.time_limit)
     results["machine"]["load_at_end"] = os.getloadavg()[0]
@@ -65,10 +67,10 @@ def _counts(row: dict[str, Any]) -> bool:
     return row["group"] == "real" and row["enhancing"]["reference_mm3"] >= MEASURED_MM3
 
 
-def _ours(case: Case, cache: Cache, key: str) -> dict[str, Any]:
+def _ours(case: Case, process: ours.Ours, cache: Cache, key: str) -> dict[str, Any]:
     def run() -> dict[str, Any]:
         with tempfile.TemporaryDirectory() as folder:
-            return ours.measure(case, Path(folder))
+            return process.measure(case, Path(folder))
 
     row: dict[str, Any] = cache.get(f"ours {case.name}", key, run)
     found = tables.shown(row["enhancing"]["iou"]), tables.shown(row["core"]["iou"])
@@ -81,8 +83,7 @@ def _peers(cases: Sequence[Case], cache: Cache, time_limit: float) -> dict[str, 
     for case in cases:
         prepared = beside.prepare(case)
         for given in beside.INPUTS:
-            for peer in PEERS:
-                measured = beside.measure(prepared, given, peer, cache, time_limit)
+            for peer, measured in beside.measure(prepared, given, cache, time_limit).items():
                 rows[given][peer][case.name] = measured
                 best = max(row["enhancing"]["iou"] or 0.0 for row in measured)
                 print(f"{case.name}, {given}: {peer} at best {best:.3f}", flush=True)

@@ -1,8 +1,8 @@
-"""One case from files to files in a process of its own: what a user waits for, and what it costs.
+"""Cases from files to files in a process of its own: what a user waits for, and what it costs.
 
-    python -m benchmarks.segmentation.ours OUT POST [PRE]
+    python -m benchmarks.segmentation.ours      reads a line of JSON per case, prints one
 
-The kernels are loaded by a small run first, as in a worker that has run before. Prints one line of JSON.
+The kernels are loaded by a small run first, as in a worker that has run before.
 """
 
 from __future__ import annotations
@@ -29,16 +29,42 @@ from shapery_geometry.volume_io import read_volume
 ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "NUMBA", "MKL")}
 
 
-def measure(case: Case, folder: Path) -> dict[str, Any]:
-    """Run a case in a process of its own and compare its labels with the reference."""
-    out = folder / "out"
-    files = [case.post] + ([case.pre] if case.pre is not None else [])
-    command = [sys.executable, "-m", "benchmarks.segmentation.ours", str(out), *map(str, files)]
-    done = subprocess.run(command, cwd=ROOT, env=os.environ | ONE_THREAD, capture_output=True, text=True, check=True)
-    row: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
+class Ours:
+    """The process, started when the first case is asked for."""
+
+    def __init__(self) -> None:
+        self._process: subprocess.Popen[str] | None = None
+
+    def measure(self, case: Case, folder: Path) -> dict[str, Any]:
+        """Run a case and compare its labels with the reference."""
+        if self._process is None:
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", "benchmarks.segmentation.ours"],
+                cwd=ROOT, env=os.environ | ONE_THREAD, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+            )  # fmt: skip
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        out = folder / "out"
+        files = {"out": str(out), "post": str(case.post), "pre": str(case.pre) if case.pre is not None else None}
+        self._process.stdin.write(json.dumps(files) + "\n")
+        self._process.stdin.flush()
+        text = self._process.stdout.readline()
+        if not text:
+            raise RuntimeError(f"the process ended without a word at {case.name}")
+        return compared(json.loads(text), case, out)
+
+    def close(self) -> None:
+        """End the process."""
+        if self._process is not None and self._process.stdin is not None:
+            self._process.stdin.close()
+            self._process.wait()
+
+
+def compared(row: dict[str, Any], case: Case, out: Path) -> dict[str, Any]:
+    """Return what a run told, and how its labels agree with the reference."""
     labels, reference = read_volume(out / "labels.nii.gz"), read_volume(case.reference).data
     truth = np.isin(reference, case.core)
-    row |= {
+    return row | {
         "name": case.name,
         "group": case.group,
         "weak": case.weak,
@@ -46,7 +72,6 @@ def measure(case: Case, folder: Path) -> dict[str, Any]:
         "core": agreement(np.isin(labels.data, (1, 2)), truth, labels),
         "false_objects": sum(_false(item["centroid"], item["volume_mm3"], truth, labels) for item in row["objects"]),
     }
-    return row
 
 
 def agreement(found: NDArray[np.bool_], reference: NDArray[np.bool_], grid: Volume) -> dict[str, float | None]:
@@ -63,14 +88,12 @@ def _false(centroid: list[float], volume: float, core: NDArray[np.bool_], grid: 
     return not bool(core[box].any())
 
 
-def main(out: Path, post_path: Path, pre_path: Path | None) -> None:
+def run(out: Path, post_path: Path, pre_path: Path | None) -> dict[str, Any]:
     """Run one case in this process."""
     from benchmarks.segmentation.flows import recorded
     from shapery_segmentation import segment, write_outputs
-    from shapery_segmentation.warm import warm
 
-    warm()
-    base = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    forget_peak()
     wall, cpu = time.perf_counter(), time.process_time()
     post = read_volume(post_path)
     pre = read_volume(pre_path) if pre_path is not None else None
@@ -79,23 +102,46 @@ def main(out: Path, post_path: Path, pre_path: Path | None) -> None:
     write_outputs(result, out)
     wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
     report = result.report.model_dump(mode="json")
-    print(
-        json.dumps(
-            {
-                "objects": report["objects"],
-                "stages": {stage["name"]: stage["seconds"] for stage in report["stages"]},
-                "warnings": report["warnings"],
-                "wall_seconds": wall,
-                "cpu_seconds": cpu,
-                "flow_cpu_seconds": sum(call.cpu_seconds for call in flows),
-                "flow_iterations": [call.iterations for call in flows],
-                "peak_mib": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
-                "warm_mib": base / 1024,
-            }
-        )
-    )
+    return {
+        "objects": report["objects"],
+        "alignments": report["alignments"],
+        "stages": {stage["name"]: stage["seconds"] for stage in report["stages"]},
+        "warnings": report["warnings"],
+        "wall_seconds": wall,
+        "cpu_seconds": cpu,
+        "flow_cpu_seconds": sum(call.cpu_seconds for call in flows),
+        "flow_iterations": [call.iterations for call in flows],
+        "peak_mib": peak_mib(),
+    }
+
+
+def forget_peak() -> None:
+    """Let the peak of resident memory begin anew, where the system can."""
+    clear = Path("/proc/self/clear_refs")
+    if clear.exists():
+        clear.write_text("5")
+
+
+def peak_mib() -> float:
+    """Return the peak of resident memory since `forget_peak`."""
+    status = Path("/proc/self/status")
+    if status.exists():
+        for line in status.read_text().splitlines():
+            if line.startswith("VmHWM"):
+                return float(line.split()[1]) / 1024
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+
+
+def main() -> None:
+    """Run the cases that are asked for on the standard input."""
+    from shapery_segmentation.warm import warm
+
+    warm()
+    for line in sys.stdin:
+        given = json.loads(line)
+        row = run(Path(given["out"]), Path(given["post"]), Path(given["pre"]) if given["pre"] else None)
+        print(json.dumps(row), flush=True)
 
 
 if __name__ == "__main__":
-    given = [Path(text) for text in sys.argv[1:]]
-    main(given[0], given[1], given[2] if len(given) > 2 else None)
+    main()

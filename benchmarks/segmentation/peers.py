@@ -1,10 +1,10 @@
 """The usual untrained methods, each with a small grid of settings, run on one array from one seed.
 
-    python -m benchmarks.segmentation.peers NAME FOLDER SETTING …
+    python -m benchmarks.segmentation.peers FOLDER NAME:NUMBER …
 
-Reads ``FOLDER/input.npz`` (field, seed, allowed, spacing), runs the settings of these numbers one after the other,
-writes each mask as ``FOLDER/NAME-<number>.npy`` and prints one line of JSON for each. A process of its own for each
-method, so that its time can be limited and its memory is its own.
+Reads ``FOLDER/input.npz`` (field, seed, allowed, spacing), runs the settings of these methods one after the other,
+writes each mask as ``FOLDER/NAME-<number>.npy`` and prints one line of JSON for each. A process of its own, so that
+the time of each can be limited and no memory of ours counts.
 
 Every method gets one thread. What stands for its input in all of them: `field`, zero in normal tissue, in units of the
 normal tissue's deviation; `seed`, voxels inside the object; `allowed`, where the object may be at all.
@@ -13,7 +13,6 @@ normal tissue's deviation; `seed`, voxels inside the object; `allowed`, where th
 from __future__ import annotations
 
 import json
-import resource
 import sys
 import time
 from collections.abc import Callable
@@ -23,6 +22,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
+
+from benchmarks.segmentation.ours import forget_peak, peak_mib
 
 FloatArray = NDArray[np.float32]
 BoolArray = NDArray[np.bool_]
@@ -207,24 +208,21 @@ PEERS: dict[str, tuple[str, Callable[..., Any], list[Setting]]] = {
 """Title, method and settings by name."""
 
 
-def main(name: str, folder: Path, numbers: list[int]) -> None:
-    """Run one method with some of its settings."""
-    _, method, settings = PEERS[name]
+def main(folder: Path, asked: list[str]) -> None:
+    """Run some settings of some methods."""
     with np.load(folder / "input.npz") as given:
         field, seed, allowed, spacing = given["field"], given["seed"], given["allowed"], float(given["spacing"])
-    for number in numbers:
+    for text in asked:
+        name, _, number = text.partition(":")
+        _, method, settings = PEERS[name]
+        forget_peak()
         start = time.process_time()
-        mask, iterations = method(field, seed, allowed, spacing, settings[number])
+        mask, iterations = method(field, seed, allowed, spacing, settings[int(number)])
         spent = time.process_time() - start
         np.save(folder / f"{name}-{number}.npy", np.asarray(mask, dtype=np.bool_) & allowed)
-        line = {
-            "number": number,
-            "cpu_seconds": spent,
-            "iterations": int(iterations),
-            "peak_mib": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
-        }
-        print(json.dumps(line), flush=True)
+        told = {"cpu_seconds": spent, "iterations": int(iterations), "peak_mib": peak_mib(), "late": False}
+        print(json.dumps(told), flush=True)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], Path(sys.argv[2]), [int(text) for text in sys.argv[3:]])
+    main(Path(sys.argv[1]), sys.argv[2:])

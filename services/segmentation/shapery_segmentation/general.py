@@ -104,7 +104,11 @@ HALF_CONTRAST = 8.0
 
 ELSEWHERE = "The seed itself lies outside the object that was found around it."
 
-MAD_TO_SIGMA = 1.4826
+QUARTILE_TO_SIGMA = 3.138
+"""Lower quartile of the absolute values of a normal distribution to its standard deviation."""
+
+NEARBY = 6
+"""Voxels around the seed from which the noise is taken."""
 
 Polarity = Literal["bright", "dark", "between"]
 
@@ -266,7 +270,7 @@ def _still_region(volume: Volume, target: Target) -> tuple[BoolArray, float]:
         high = np.clip(np.ceil(corners.max(axis=0) + 0.5), low + 1, volume.shape).astype(int)
         usable[tuple(slice(a, b) for a, b in zip(low, high, strict=True))] = True
         seed = np.clip(seed, low, high - 1)
-    around = tuple(slice(max(int(s) - 8, 0), int(s) + 9) for s in seed)
+    around = tuple(slice(max(int(s) - NEARBY, 0), int(s) + NEARBY + 1) for s in seed)
     smooth = _smoothed(volume)
     noise = _noise(smooth[around])
     here = tuple(slice(max(int(s) - 1, 0), int(s) + 2) for s in seed)
@@ -412,9 +416,11 @@ def _smoothed(volume: Volume) -> FloatArray:
 def _noise(values: FloatArray) -> float:
     """Return the deviation of the noise, and of the object's own texture: of what a wider average takes away.
 
-    Differences of neighbours would not do: most files were filtered or resampled, and neighbours are alike.
+    Differences of neighbours would not do: most files were filtered or resampled, and neighbours are alike. The lower
+    quartile, because a border may run through half of the values.
     """
-    return MAD_TO_SIGMA * float(np.median(np.abs(values - ndimage.gaussian_filter(values, 2.5, mode="nearest"))))
+    rest = np.abs(values - ndimage.gaussian_filter(values, 2.0, mode="nearest"))
+    return QUARTILE_TO_SIGMA * float(np.percentile(rest, 25.0))
 
 
 def _nearest(volume: Volume, point: NDArray[np.float64]) -> tuple[int, int, int]:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from shapery_contracts.errors import InvalidInput
 from shapery_contracts.segmentation import Alignment
 from shapery_geometry.volume import Volume
+from shapery_geometry.volume_io import read_volume
 from shapery_segmentation.phantoms import HeadPhantom, head_phantom
 from shapery_segmentation.registration import Registration, align, register, rigid, rotation_degrees
 
@@ -75,12 +78,8 @@ def test_the_same_generator_gives_the_same_transform(thick: HeadPhantom) -> None
 
 
 @pytest.mark.data
-def test_two_patients_are_refused(shared_data: object) -> None:
-    from pathlib import Path
-
-    from shapery_geometry.volume_io import read_volume
-
-    folders = sorted(Path(str(shared_data)).glob("volumes/tumor_brats18_*"))
+def test_two_patients_are_refused(shared_data: Path) -> None:
+    folders = sorted(shared_data.glob("volumes/tumor_brats18_*"))
     if len(folders) < 2:
         pytest.skip("there are not two real cases")
     post, pre = read_volume(folders[0] / "t1c.nii.gz"), read_volume(folders[1] / "t1.nii.gz")
@@ -92,3 +91,17 @@ def test_two_patients_are_refused(shared_data: object) -> None:
     own = read_volume(folders[0] / "t1.nii.gz")
     _, certainty = align(own, post, "pre", True, told, [], rng=np.random.default_rng(0))
     assert certainty == 1.0
+
+
+@pytest.mark.data
+def test_a_known_transform_of_a_real_case_is_undone(shared_data: Path) -> None:
+    folder = shared_data / "volumes/tumor_brats18_tcia01_231_1"
+    if not folder.is_dir():
+        pytest.skip("the real case is not there")
+    post, pre = read_volume(folder / "t1c.nii.gz"), read_volume(folder / "t1.nii.gz")
+    centre = post.to_world((np.array(post.shape) - 1) / 2)
+    transform = rigid((5.0, -8.0, 15.0), (4.0, -6.0, 3.0), centre)
+    found = register(moved(pre, transform), post, rng=np.random.default_rng(0))
+    rest = found.transform @ np.linalg.inv(transform)
+    away = np.linalg.norm((PLACES + centre) @ rest[:3, :3].T + rest[:3, 3] - PLACES - centre, axis=1)
+    assert away.mean() < 0.5
