@@ -236,3 +236,41 @@ def test_a_file_that_cannot_be_fetched_is_told_and_fetched_again(
     told.get_by_role("button", name="Draw it again").click()
     wait_for_pictures(page)
     assert tumor_colored(picture(page.get_by_test_id("surface"))).mean() > 0.01
+
+
+def test_a_mask_is_compared_and_drawn(
+    open_page: OpenPage, segmented: dict[str, Any], labels: Volume, phantom: Path, api: httpx.Client
+) -> None:
+    """The figures are those of the voxels, and green appears in the slices."""
+    truth = read_volume(phantom / "truth.nii.gz")
+    with (phantom / "truth.nii.gz").open("rb") as file:
+        api.post("/v1/assets", files={"file": ("drawn by hand.nii.gz", file)}).raise_for_status()
+    ours, theirs = np.isin(labels.data, [1, 2]), truth.data > 0
+    iou = (ours & theirs).sum() / (ours | theirs).sum()
+    page = open_page(f"/jobs/{segmented['id']}")
+    wait_for_pictures(page)
+
+    def green() -> int:
+        pixels = picture(page.get_by_test_id("volume")).astype(int)
+        return int(((pixels[..., 1] > pixels[..., 0] + 40) & (pixels[..., 1] > pixels[..., 2] + 20)).sum())
+
+    before = green()
+    page.get_by_role("combobox", name="Reference mask").click()
+    page.get_by_role("option", name="drawn by hand.nii.gz").click()
+    shown = page.get_by_test_id("agreement").locator("dd").first.text_content()
+    assert float(shown) == pytest.approx(iou, abs=0.0006)
+    page.wait_for_timeout(1500)
+    assert green() > before + 200
+
+
+def test_a_seed_is_placed_and_run(open_page: OpenPage, segmented: dict[str, Any], api: httpx.Client) -> None:
+    page = open_page(f"/jobs/{segmented['id']}")
+    wait_for_pictures(page)
+    at = crosshair(page)
+    page.get_by_role("button", name="Seed here").click()
+    page.get_by_role("button", name="Segment from this point").click()
+    page.wait_for_url(lambda url: "/jobs/" in url and segmented["id"] not in url)
+    job = api.get(f"/v1/jobs/{page.url.rsplit('/', 1)[1]}").json()
+    assert job["inputs"] == segmented["inputs"]
+    np.testing.assert_allclose(job["params"]["seeds"], [at], atol=0.06)
+    api.post(f"/v1/jobs/{job['id']}/cancel")

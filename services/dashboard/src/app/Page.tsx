@@ -22,7 +22,7 @@ export function Page({ title, tab, lead, actions, children }: PageProps) {
         <div className={classes.heading}>
           <Title order={1}>{title}</Title>
           {lead && (
-            <Text c="dimmed" size="sm" mt={4}>
+            <Text component="div" c="dimmed" size="sm" mt={4}>
               {lead}
             </Text>
           )}

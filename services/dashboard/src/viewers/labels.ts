@@ -6,6 +6,9 @@ export const LABELS = [
   { value: 4, name: "Microhemorrhage", color: "#b48cf2" },
 ] as const;
 
+/** What somebody else has drawn. */
+export const REFERENCE_COLOR = "#4fd18b";
+
 export function labelName(value: number): string | null {
   return LABELS.find((label) => label.value === value)?.name ?? null;
 }

@@ -3,6 +3,7 @@ import { SearchX, TriangleAlert } from "lucide-react";
 import { lazy, type ReactNode, Suspense, useMemo, useState } from "react";
 import type { Artifact, Asset, Job } from "@/api/types";
 import { Empty, Waiting } from "@/app/Notice";
+import { ComparePanel } from "@/features/compare/ComparePanel";
 import { LABELS } from "@/viewers/labels";
 import { NoWebGL } from "@/viewers/ViewerFrame";
 import { hasWebGL } from "@/viewers/webgl";
@@ -10,6 +11,9 @@ import { Downloads } from "./Downloads";
 import { drawableName } from "./drawable";
 import { ObjectTable } from "./ObjectTable";
 import type { SegmentationResult } from "./params";
+import { type Point, SeedPanel } from "./SeedPanel";
+import { surfacesOf } from "./surfaces";
+import { StructureTable } from "./StructureTable";
 import classes from "./segmentation.module.css";
 
 const VolumeViewer = lazy(async () => ({
@@ -29,27 +33,18 @@ interface SegmentationViewProps {
 
 export default function SegmentationView({ job, result, post, facts }: SegmentationViewProps) {
   const [chosen, setChosen] = useState<number | null>(null);
+  const [seeds, setSeeds] = useState<readonly Point[]>([]);
+  const [looked, setLooked] = useState<Point | null>(null);
+  const [reference, setReference] = useState<Asset | null>(null);
+  const mask = useMemo(
+    () => reference && { url: reference.content_url, name: "reference.nii.gz", size: reference.size },
+    [reference],
+  );
+  const place = (seed: Point) => setSeeds((before) => (before.length < 64 ? [...before, seed] : before));
   const { objects } = result;
   const artifact = (name: string): Artifact | undefined => job.artifacts?.find((one) => one.name === name);
   const labels = artifact("labels.nii.gz");
-  const surfaces = useMemo(() => {
-    const found = objects.flatMap((object) => {
-      const file = job.artifacts?.find(({ name }) => name === object.surface);
-      return file
-        ? [
-            {
-              id: object.label,
-              url: file.url,
-              size: file.size,
-              color: LABELS[0].color,
-            },
-          ]
-        : [];
-    });
-    if (found.length > 0) return found;
-    const whole = job.artifacts?.find(({ name }) => name === "surface.ply");
-    return whole ? [{ id: 1, url: whole.url, size: whole.size, color: LABELS[0].color }] : [];
-  }, [objects, job.artifacts]);
+  const surfaces = useMemo(() => surfacesOf(objects, job.artifacts ?? []), [objects, job.artifacts]);
   const focus = useMemo(() => {
     const object = objects.find(({ label }) => label === chosen) ?? objects[0];
     const [x = 0, y = 0, z = 0] = object?.centroid ?? [];
@@ -77,7 +72,9 @@ export default function SegmentationView({ job, result, post, facts }: Segmentat
                   name: "labels.nii.gz",
                   size: labels.size,
                 }}
-                focus={focus}
+                focus={looked ?? focus}
+                reference={mask}
+                onSeed={place}
               />
             </Suspense>
           ) : labels ? (
@@ -93,13 +90,15 @@ export default function SegmentationView({ job, result, post, facts }: Segmentat
                   name: "labels.nii.gz",
                   size: labels.size,
                 }}
-                focus={focus}
+                focus={looked ?? focus}
+                reference={mask}
+                onSeed={place}
               />
             </Suspense>
           ) : null}
           {surfaces.length > 0 && (
             <Suspense fallback={<Waiting label="Loading the viewer…" />}>
-              <SurfaceViewer surfaces={surfaces} chosen={objects.length > 1 ? chosen : null} />
+              <SurfaceViewer surfaces={surfaces} chosen={surfaces.length > 1 ? chosen : null} />
             </Suspense>
           )}
         </div>
@@ -135,9 +134,19 @@ export default function SegmentationView({ job, result, post, facts }: Segmentat
                 </Text>
               </Empty>
             ) : (
-              <ObjectTable objects={objects} chosen={chosen} onChoose={setChosen} />
+              <ObjectTable
+                objects={objects}
+                chosen={chosen}
+                onChoose={(label) => {
+                  setLooked(null);
+                  setChosen(label);
+                }}
+              />
             )}
           </Paper>
+          <StructureTable result={result} surfaces={surfaces} chosen={chosen} onChoose={setChosen} />
+          {labels && <ComparePanel labels={labels} reference={reference} onReference={setReference} />}
+          <SeedPanel job={job} seeds={seeds} onChange={setSeeds} onLook={(seed) => setLooked([...seed])} />
           <Downloads artifacts={job.artifacts ?? []} />
         </Stack>
         <Stack gap="md">{facts}</Stack>

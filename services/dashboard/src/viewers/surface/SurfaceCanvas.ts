@@ -36,6 +36,7 @@ interface Surface {
   mesh: Mesh<BufferGeometry, MeshStandardMaterial>;
   edges: LineSegments<WireframeGeometry, LineBasicMaterial> | null;
   color: Color;
+  opacity: number;
 }
 
 const DIRECTIONS: readonly [string, Vector3][] = [
@@ -104,7 +105,7 @@ export class SurfaceCanvas {
     });
     const mesh = new Mesh(geometry, material);
     this.#scene.add(mesh);
-    this.#surfaces.set(id, { mesh, edges: null, color: new Color(color) });
+    this.#surfaces.set(id, { mesh, edges: null, color: new Color(color), opacity: 1 });
     this.#restyle();
   }
 
@@ -126,6 +127,14 @@ export class SurfaceCanvas {
     this.#controls.update();
     this.#letters(box);
     this.draw();
+  }
+
+  /** Show a surface as far as `opacity` says; 0 hides it. */
+  fade(id: number, opacity: number): void {
+    const surface = this.#surfaces.get(id);
+    if (!surface || surface.opacity === opacity) return;
+    surface.opacity = opacity;
+    this.#restyle();
   }
 
   set edges(on: boolean) {
@@ -168,9 +177,10 @@ export class SurfaceCanvas {
     for (const [id, surface] of this.#surfaces) {
       const faded = this.#chosen !== null && this.#chosen !== id;
       const { material } = surface.mesh;
-      material.transparent = faded;
-      material.opacity = faded ? 0.28 : 1;
-      material.depthWrite = !faded;
+      material.opacity = surface.opacity * (faded ? 0.28 : 1);
+      material.transparent = material.opacity < 1;
+      material.depthWrite = !material.transparent;
+      surface.mesh.visible = surface.opacity > 0;
       material.needsUpdate = true;
       if (this.#edges && !surface.edges) {
         const line = new LineBasicMaterial({

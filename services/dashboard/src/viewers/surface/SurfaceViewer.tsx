@@ -4,6 +4,7 @@ import { useEffect, useEffectEvent, useRef, useState } from "react";
 import { download } from "../download";
 import { ViewerFrame, type ViewerStatus } from "../ViewerFrame";
 import frame from "../viewers.module.css";
+import { LayerMenu, type Opacities } from "./LayerMenu";
 import { SurfaceCanvas } from "./SurfaceCanvas";
 
 export interface SurfaceFile {
@@ -11,6 +12,9 @@ export interface SurfaceFile {
   url: string;
   size: number;
   color: string;
+  /** What it belongs to; a group is shown, hidden and faded together. */
+  group: string;
+  title: string;
 }
 
 interface SurfaceViewerProps {
@@ -32,6 +36,7 @@ export function SurfaceViewer({ surfaces, chosen }: SurfaceViewerProps) {
   });
   const [attempt, setAttempt] = useState(0);
   const [edges, setEdges] = useState(false);
+  const [opacities, setOpacities] = useState<Opacities>({});
   const files = useEffectEvent(() => surfaces);
   const key = surfaces.map(({ url }) => url).join(" ");
 
@@ -87,6 +92,12 @@ export function SurfaceViewer({ surfaces, chosen }: SurfaceViewerProps) {
     if (chosen !== null) viewer.current.look(chosen);
   }, [ready, chosen]);
 
+  const groupOf = useEffectEvent(() => surfaces.map(({ id, group }) => [id, group] as const));
+  useEffect(() => {
+    if (!ready || !viewer.current) return;
+    for (const [id, group] of groupOf()) viewer.current.fade(id, opacities[group] ?? 1);
+  }, [ready, opacities]);
+
   return (
     <ViewerFrame
       label="Surface"
@@ -94,6 +105,7 @@ export function SurfaceViewer({ surfaces, chosen }: SurfaceViewerProps) {
       onRetry={() => setAttempt((before) => before + 1)}
       tools={
         <>
+          <LayerMenu surfaces={surfaces} opacities={opacities} onChange={setOpacities} />
           <Tooltip label="Show the mesh's edges" openDelay={400}>
             <ActionIcon
               variant={edges ? "filled" : "default"}

@@ -8,11 +8,12 @@ interface DisplayMenuProps {
   /** Intensities from the darkest to the brightest. */
   range: [number, number];
   hasLabels: boolean;
+  hasReference: boolean;
   onChange: (change: Partial<Display>) => void;
 }
 
 /** How the picture is drawn: the labels' opacity, the window, the side one looks from. */
-export function DisplayMenu({ display, range, hasLabels, onChange }: DisplayMenuProps) {
+export function DisplayMenu({ display, range, hasLabels, hasReference, onChange }: DisplayMenuProps) {
   const step = (range[1] - range[0]) / 200 || 0.01;
   return (
     <Popover position="bottom-end" width={260} trapFocus shadow="md">
@@ -49,6 +50,23 @@ export function DisplayMenu({ display, range, hasLabels, onChange }: DisplayMenu
                 onChange={(event) => onChange({ outline: event.currentTarget.checked })}
               />
             </>
+          )}
+          {hasReference && (
+            <div>
+              <Text size="sm" fw={500}>
+                Opacity of the reference
+              </Text>
+              <Slider
+                thumbLabel="Opacity of the reference"
+                size="sm"
+                min={0}
+                max={1}
+                step={0.05}
+                label={(value) => `${Math.round(value * 100)} %`}
+                value={display.referenceOpacity}
+                onChange={(referenceOpacity) => onChange({ referenceOpacity })}
+              />
+            </div>
           )}
           <div>
             <Text size="sm" fw={500}>

@@ -1,5 +1,5 @@
 import { Niivue, NVImage, SLICE_TYPE } from "@niivue/niivue";
-import { LABELS, rgb } from "../labels";
+import { LABELS, REFERENCE_COLOR, rgb } from "../labels";
 
 export type VolumeLayout = "slices" | "axial" | "coronal" | "sagittal" | "render";
 
@@ -15,6 +15,8 @@ export interface Display {
   layout: VolumeLayout;
   /** Of the labels, in [0, 1]. */
   opacity: number;
+  /** Of the reference mask, in [0, 1]. */
+  referenceOpacity: number;
   /** Only the labels' outlines are drawn on slices. */
   outline: boolean;
   /** The patient's left on the right side of the picture, as radiologists look. */
@@ -62,6 +64,8 @@ export class VolumeCanvas {
   readonly #viewer: Niivue;
   #closed = false;
   #shown: Display | null = null;
+  #reference: NVImage | null = null;
+  #wanted = 0;
 
   constructor(parent: HTMLElement, onPlace: (place: Place) => void) {
     this.canvas = document.createElement("canvas");
@@ -113,9 +117,23 @@ export class VolumeCanvas {
     return { range, window };
   }
 
+  /** Lay a mask over everything else, in a color of its own; null takes it away. */
+  async lay(reference: Source | null, opacity: number): Promise<void> {
+    const wanted = (this.#wanted += 1);
+    const mask = reference ? await read(reference) : null;
+    if (this.#closed || wanted !== this.#wanted) return;
+    if (this.#reference) this.#viewer.removeVolume(this.#reference);
+    this.#reference = mask;
+    if (!mask) return;
+    mask.setColormapLabel(referenceColors(Math.min(mask.global_max ?? 1, 255)));
+    mask.opacity = opacity;
+    this.#viewer.addVolume(mask);
+  }
+
   show(display: Display): void {
     const viewer = this.#viewer;
-    const [base, overlay] = viewer.volumes;
+    const base = viewer.volumes[0];
+    const overlay = viewer.volumes.find((volume, index) => index > 0 && volume !== this.#reference);
     const before = this.#shown;
     if (!base || before === display) return;
     this.#shown = display;
@@ -125,6 +143,7 @@ export class VolumeCanvas {
       before?.window[0] === display.window[0] &&
       before.window[1] === display.window[1] &&
       before.opacity === display.opacity &&
+      before.referenceOpacity === display.referenceOpacity &&
       before.outline === display.outline
     ) {
       viewer.drawScene();
@@ -132,6 +151,7 @@ export class VolumeCanvas {
     }
     [base.cal_min, base.cal_max] = display.window;
     if (overlay) overlay.opacity = display.opacity;
+    if (this.#reference) this.#reference.opacity = display.referenceOpacity;
     viewer.updateGLVolume();
   }
 
@@ -193,6 +213,20 @@ function placeOf({ mm, values }: Location): Place {
     mm: [mm[0] ?? 0, mm[1] ?? 0, mm[2] ?? 0],
     intensity: values[0]?.value ?? null,
     label: Math.round(values[1]?.value ?? 0),
+  };
+}
+
+/** Every value of a mask but nothing in one color. */
+function referenceColors(largest: number) {
+  const values = Array.from({ length: Math.max(Math.round(largest), 1) }, (_, index) => index + 1);
+  const [red, green, blue] = rgb(REFERENCE_COLOR);
+  return {
+    R: [0, ...values.map(() => red)],
+    G: [0, ...values.map(() => green)],
+    B: [0, ...values.map(() => blue)],
+    A: [0, ...values.map(() => 255)],
+    I: [0, ...values],
+    labels: ["", ...values.map(() => "Reference")],
   };
 }
 

@@ -1,5 +1,7 @@
-import { SegmentedControl } from "@mantine/core";
+import { Button, SegmentedControl, Tooltip } from "@mantine/core";
+import { LocateFixed } from "lucide-react";
 import { useEffect, useEffectEvent, useRef, useState } from "react";
+import { sayFailure } from "@/app/say";
 import { anatomical, significant } from "@/format/format";
 import { download } from "../download";
 import { labelName } from "../labels";
@@ -19,6 +21,10 @@ interface VolumeViewerProps {
   labels: VolumeFile | null;
   /** Where to look, RAS mm; a new array moves the crosshair. */
   focus: readonly [number, number, number] | null;
+  /** A mask to lay over the labels. */
+  reference?: VolumeFile | null;
+  /** Someone wants a seed where the crosshair is, RAS mm. */
+  onSeed?: ((mm: [number, number, number]) => void) | undefined;
 }
 
 const LAYOUTS: { value: VolumeLayout; label: string }[] = [
@@ -30,7 +36,7 @@ const LAYOUTS: { value: VolumeLayout; label: string }[] = [
 ];
 
 /** A volume in slices or as a whole, with labels over it. */
-export function VolumeViewer({ image, labels, focus }: VolumeViewerProps) {
+export function VolumeViewer({ image, labels, focus, reference = null, onSeed }: VolumeViewerProps) {
   const parent = useRef<HTMLDivElement>(null);
   const viewer = useRef<VolumeCanvas | null>(null);
   const [status, setStatus] = useState<ViewerStatus>({
@@ -45,6 +51,7 @@ export function VolumeViewer({ image, labels, focus }: VolumeViewerProps) {
     layout: "slices",
     opacity: 0.55,
     outline: false,
+    referenceOpacity: 0.45,
     radiological: true,
     window: [0, 1],
   });
@@ -94,6 +101,22 @@ export function VolumeViewer({ image, labels, focus }: VolumeViewerProps) {
   }, [image.url, labels?.url, attempt]);
 
   const ready = status.is === "ready";
+  const opacity = useEffectEvent(() => display.referenceOpacity);
+  useEffect(() => {
+    const canvas = viewer.current;
+    if (!ready || !canvas) return;
+    const controller = new AbortController();
+    const lay = async () => {
+      const content = reference
+        ? await download(reference.url, reference.size, () => undefined, controller.signal)
+        : null;
+      await canvas.lay(reference && content ? { name: reference.name, content } : null, opacity());
+    };
+    lay().catch((error: unknown) => {
+      if (!controller.signal.aborted) sayFailure("The reference cannot be drawn", error);
+    });
+    return () => controller.abort();
+  }, [ready, reference]);
   useEffect(() => {
     if (ready) viewer.current?.show(display);
   }, [ready, display]);
@@ -116,6 +139,18 @@ export function VolumeViewer({ image, labels, focus }: VolumeViewerProps) {
       onRetry={() => setAttempt((before) => before + 1)}
       tools={
         <>
+          {onSeed && place && (
+            <Tooltip label="Put a seed where the crosshair is" openDelay={400}>
+              <Button
+                size="compact-sm"
+                variant="default"
+                leftSection={<LocateFixed size={15} aria-hidden="true" />}
+                onClick={() => onSeed(place.mm)}
+              >
+                Seed here
+              </Button>
+            </Tooltip>
+          )}
           <SegmentedControl
             size="xs"
             aria-label="View"
@@ -123,7 +158,13 @@ export function VolumeViewer({ image, labels, focus }: VolumeViewerProps) {
             value={display.layout}
             onChange={(value) => change({ layout: value })}
           />
-          <DisplayMenu display={display} range={range} hasLabels={labels !== null} onChange={change} />
+          <DisplayMenu
+            display={display}
+            range={range}
+            hasLabels={labels !== null}
+            hasReference={reference !== null}
+            onChange={change}
+          />
         </>
       }
     >
