@@ -25,5 +25,6 @@ export default defineConfig({
   test: {
     include: ["src/**/*.test.ts", "tests/**/*.test.ts"],
     environment: "node",
+    testTimeout: 60_000, // on a machine that does other things as well
   },
 });

@@ -1,0 +1,133 @@
+import { type PairingTree, weighLinks } from "./pairing";
+import { BINS, bits, type RangeDecoder } from "./rangeCoder";
+
+/** How many contexts there are of each kind, and where each kind begins: section 5.2 of api_schema/smc.md. */
+const KINDS = [288, 256, 256, 256, 128, 768, 256, 256];
+const BASES = KINDS.map((_, kind) => KINDS.slice(0, kind).reduce((sum, size) => sum + size, 0));
+export const FIELD_SLOTS = KINDS.reduce((sum, size) => sum + size, 0) * BINS;
+export const FIELD_ROWS = 24;
+
+export function scale(x: number): number {
+  if (x < 6) return x;
+  const length = bits(x);
+  return Math.min(2 * length + (Math.floor(x / 2 ** (length - 2)) & 1), 15);
+}
+
+/** Decode a cluster's fields in units of the step: `rank` rows of as many values as it has vertices. */
+export function decodeFields(decoder: RangeDecoder, tree: PairingTree, rank: number): Float64Array {
+  const { children, levels, sizes, parents, links, linkStarts, linkWeights, innerWeights } = tree;
+  const pairs = levels.length;
+  const n = pairs + 1;
+  const means = new Float64Array(n + pairs);
+  const places = new Float64Array(3 * (n + pairs));
+  const fields = new Float64Array(rank * n);
+  const nothing = new Int32Array(pairs + 1);
+  // Magnitudes of this mode and of the three before it.
+  let [now, e1s, e2s, e3s] = [nothing, nothing, nothing, nothing];
+  const { contexts } = decoder;
+  const context = (kind: number, at: number) => (contexts[kind] = (BASES[kind] ?? 0) + at);
+
+  const optimum = (pair: number, center: number): number => {
+    const sizeA = sizes[children[2 * pair] ?? 0] ?? 0;
+    const sizeB = sizes[children[2 * pair + 1] ?? 0] ?? 0;
+    const whole = sizeA + sizeB;
+    const shareA = sizeB / whole;
+    const shareB = sizeA / whole;
+    let pull = 0;
+    let stiffness = innerWeights[pair] ?? 0;
+    const middle = linkStarts[2 * pair + 1] ?? 0;
+    for (let e = linkStarts[2 * pair] ?? 0; e < middle; e += 1) {
+      const u = shareA * (linkWeights[e] ?? 0);
+      pull += u * ((means[links[e] ?? 0] ?? 0) - center);
+      stiffness += shareA * u;
+    }
+    for (let e = middle; e < (linkStarts[2 * pair + 2] ?? 0); e += 1) {
+      const u = shareB * (linkWeights[e] ?? 0);
+      pull -= u * ((means[links[e] ?? 0] ?? 0) - center);
+      stiffness += shareB * u;
+    }
+    return stiffness > 0 ? pull / stiffness : 0;
+  };
+  const part = (pair: number, center: number, difference: number) => {
+    const a = children[2 * pair] ?? 0;
+    const b = children[2 * pair + 1] ?? 0;
+    const whole = (sizes[a] ?? 0) + (sizes[b] ?? 0);
+    means[a] = center + ((sizes[b] ?? 0) / whole) * difference;
+    means[b] = center - ((sizes[a] ?? 0) / whole) * difference;
+  };
+
+  for (let mode = 0; mode < rank; mode += 1) {
+    now = new Int32Array(pairs + 1);
+    const running = new Float64Array(12).fill(64);
+    const modeSmall = Math.min(mode, 23);
+    for (let kind = 1; kind < 8; kind += 1) context(kind, kind % 2 ? Math.min(mode, 15) : 0);
+    context(0, 264 + modeSmall);
+    const value = decoder.value(0, 8, -1);
+    now[pairs] = Math.abs(value);
+    means[n + pairs - 1] = value / Math.sqrt(n);
+
+    for (let high = pairs; high > 0;) {
+      const level = levels[high - 1] ?? 0;
+      let low = high;
+      while (low > 0 && levels[low - 1] === level) low -= 1;
+      for (let pair = low; pair < high; pair += 1) {
+        const center = means[n + pair] ?? 0;
+        means[children[2 * pair] ?? 0] = center;
+        means[children[2 * pair + 1] ?? 0] = center;
+      }
+      for (let sweep = 0; sweep < 3; sweep += 1) {
+        for (let pair = low; pair < high; pair += 1) {
+          const center = means[n + pair] ?? 0;
+          part(pair, center, optimum(pair, center));
+        }
+      }
+      const depth = Math.min(level, 10);
+      for (let pair = low; pair < high; pair += 1) {
+        const center = means[n + pair] ?? 0;
+        const sizeA = sizes[children[2 * pair] ?? 0] ?? 0;
+        const sizeB = sizes[children[2 * pair + 1] ?? 0] ?? 0;
+        const guess = optimum(pair, center);
+        const gain = Math.sqrt(sizeA * (sizeB / (sizeA + sizeB)));
+        let [near, count, past] = [0, 0, 0];
+        const begin = linkStarts[2 * pair] ?? 0;
+        const end = linkStarts[2 * pair + 2] ?? 0;
+        for (let e = begin; e < end; e += 1) {
+          const y = parents[links[e] ?? 0] ?? 0;
+          past += e1s[y] ?? 0;
+          if ((y >= low && y < pair) || y >= high) {
+            near += now[y] ?? 0;
+            count += 1;
+          }
+        }
+        const width = end - begin;
+        const up = now[parents[n + pair] ?? 0] ?? 0;
+        const [e1 = 0, e2 = 0, e3 = 0] = [e1s[pair], e2s[pair], e3s[pair]];
+        const beside = count > 0 ? scale(Math.floor((4 * near) / count)) : 15;
+        const prior = width > 0 ? scale(Math.floor((4 * past) / width)) : 0;
+        const mean = scale(Math.floor((running[depth] ?? 0) / 16));
+        const around = count > 0 ? Math.floor((8 * near) / count) : 4 * up;
+        const blend = scale(Math.floor(around / 4) + up + e1 + Math.floor(e2 / 2));
+        context(0, 24 * depth + modeSmall);
+        context(1, 16 * beside + depth);
+        context(2, 16 * scale(4 * e1) + scale(2 * (e2 + e3)));
+        context(3, 16 * scale(4 * up) + beside);
+        context(4, 8 * blend + Math.min(depth, 7));
+        context(5, 3 * (16 * mean + beside) + Math.min(e1, 2));
+        context(6, 4 * Math.min(mode, 63) + Math.min(depth, 3));
+        context(7, 16 * prior + mean);
+        const given = decoder.value(1 + Math.min(depth, 6), 8 + blend, -1);
+        const magnitude = Math.abs(given);
+        now[pair] = magnitude;
+        const m = running[depth] ?? 0;
+        running[depth] = m + Math.floor((256 * magnitude - 4 * m + 32) / 64);
+        part(pair, center, (gain * guess + given) / gain);
+      }
+      high = low;
+    }
+    fields.set(means.subarray(0, n), mode * n);
+    if (mode < 3) means.forEach((at, node) => (places[3 * node + mode] = at));
+    if (mode === 2) weighLinks(tree, places);
+    [e1s, e2s, e3s] = [now, e1s, e2s];
+  }
+  return fields;
+}

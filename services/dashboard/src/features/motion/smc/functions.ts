@@ -1,0 +1,114 @@
+import { scale } from "./fields";
+import { BINS, bits, type RangeDecoder } from "./rangeCoder";
+
+/** How many contexts there are of each kind, and where each kind begins: section 5.1 of api_schema/smc.md. */
+const KINDS = [480, 256, 256, 256, 320, 768, 384, 256];
+const BASES = KINDS.map((_, kind) => KINDS.slice(0, kind).reduce((sum, size) => sum + size, 0));
+const SIGNS = KINDS.reduce((sum, size) => sum + size, 0) * BINS;
+export const FUNCTION_SLOTS = SIGNS + 72;
+export const FUNCTION_ROWS = 24;
+
+function band(f: number): number {
+  if (f < 4) return f;
+  const length = bits(f);
+  return Math.min(2 * length + ((f >> (length - 2)) & 1) - 2, 19);
+}
+
+/**
+ * Decode a cluster's functions of time.
+ *
+ * Returns `frames` · `rank` · 3 values: where mode i stands at frame t is 3 (t · rank + i).
+ */
+export function decodeFunctions(decoder: RangeDecoder, runs: readonly number[], rank: number): Float64Array {
+  const frames = runs.reduce((sum, length) => sum + length, 0);
+  const coefficients = new Int32Array(rank * frames * 3);
+  decodeCoefficients(decoder, runs, rank, frames, coefficients);
+  const values = new Float64Array(frames * rank * 3);
+  const scales = Float64Array.from({ length: rank }, (_, mode) => {
+    let total = 0;
+    for (let at = mode * frames * 3; at < (mode + 1) * frames * 3; at += 1) total += (coefficients[at] ?? 0) ** 2;
+    return total > 0 ? 1 / Math.sqrt(total) : 0;
+  });
+  let first = 0;
+  for (const length of runs) {
+    const table = Float64Array.from({ length: 4 * length }, (_, k) => Math.cos((Math.PI * k) / (2 * length)));
+    for (let f = 0; f < length; f += 1) {
+      const factor = f > 0 ? Math.sqrt(2 / length) : Math.sqrt(1 / length);
+      for (let mode = 0; mode < rank; mode += 1) {
+        const weight = factor * (scales[mode] ?? 0);
+        for (let axis = 0; axis < 3; axis += 1) {
+          const q = coefficients[(mode * frames + first + f) * 3 + axis] ?? 0;
+          if (q === 0) continue;
+          for (let t = 0; t < length; t += 1) {
+            const at = ((first + t) * rank + mode) * 3 + axis;
+            values[at] = (values[at] ?? 0) + (table[((2 * t + 1) * f) % (4 * length)] ?? 0) * (q * weight);
+          }
+        }
+      }
+    }
+    first += length;
+  }
+  return values;
+}
+
+function decodeCoefficients(
+  decoder: RangeDecoder,
+  runs: readonly number[],
+  rank: number,
+  frames: number,
+  q: Int32Array,
+): void {
+  const { contexts } = decoder;
+  const context = (kind: number, at: number) => (contexts[kind] = (BASES[kind] ?? 0) + at);
+  const running = new Float64Array(20);
+  for (let mode = 0; mode < rank; mode += 1) {
+    for (let b = 0; b < 20; b += 1) running[b] = mode === 0 ? 64 : Math.floor(((running[b] ?? 0) + 64) / 2);
+    let first = 0;
+    for (const length of runs) {
+      /** The magnitude of mode `i` at frequency `f` of this run; 0 where there is none. */
+      const size = (i: number, f: number, axis: number) =>
+        i < 0 || f < 0 || f >= length ? 0 : Math.abs(q[(i * frames + first + f) * 3 + axis] ?? 0);
+      const whole = (i: number, f: number) => size(i, f, 0) + size(i, f, 1) + size(i, f, 2);
+      const sign = (f: number, axis: number) => {
+        const value = f < 0 ? 0 : (q[(mode * frames + first + f) * 3 + axis] ?? 0);
+        return value > 0 ? 1 : value < 0 ? 2 : 0;
+      };
+      for (let f = 0; f < length; f += 1) {
+        const at = band(f);
+        for (let x = 0; x < 3; x += 1) {
+          const low1 = size(mode, f - 1, x);
+          const low2 = size(mode, f - 2, x);
+          let [beside, around] = [0, 0];
+          for (let y = 0; y < x; y += 1) beside += size(mode, f, y);
+          for (let y = x; y < 3; y += 1) around += size(mode, f - 1, y);
+          const e1 = size(mode - 1, f, x);
+          const e2 = size(mode - 2, f, x);
+          const all1 = whole(mode - 1, f);
+          const all2 = whole(mode - 2, f);
+          const ahead = whole(mode - 1, f + 1);
+          const near = f > 0 ? scale(Math.floor((4 * (2 * low1 + low2)) / 3)) : 15;
+          let cross = 15;
+          if (f > 0) cross = scale(Math.floor((4 * (beside + around)) / 3));
+          else if (x > 0) cross = scale(Math.floor((4 * beside) / x));
+          const mean = scale(Math.floor((running[at] ?? 0) / 16));
+          const sum = 2 * low1 + low2 + 2 * beside + around + e1 + all1 + Math.floor(all2 / 2) + Math.floor(ahead / 2);
+          const blend = scale(Math.floor(sum / 2));
+          context(0, 24 * at + Math.min(mode, 23));
+          context(1, 16 * near + cross);
+          context(2, 16 * scale(4 * e1) + scale(4 * e2));
+          context(3, 16 * scale(Math.floor((4 * all1) / 3)) + cross);
+          context(4, 20 * blend + at);
+          context(5, 3 * (16 * mean + cross) + x);
+          context(6, 6 * Math.min(mode, 63) + Math.min(Math.floor(at / 3), 5));
+          context(7, 16 * scale(Math.floor((4 * (all1 + all2 + ahead)) / 9)) + mean);
+          const slot = SIGNS + 9 * Math.min(f, 7) + 3 * sign(f - 1, x) + sign(f - 2, x);
+          const value = decoder.value(Math.min(Math.floor(at / 2), 7), 8 + blend, slot);
+          q[(mode * frames + first + f) * 3 + x] = value;
+          const m = running[at] ?? 0;
+          running[at] = m + Math.floor((256 * Math.abs(value) - 4 * m + 32) / 64);
+        }
+      }
+      first += length;
+    }
+  }
+}
