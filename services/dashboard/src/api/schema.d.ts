@@ -812,6 +812,24 @@ export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
         /**
+         * Alignment
+         * @description Where an input lay relative to the volume after contrast.
+         */
+        Alignment: {
+            /** Degrees */
+            degrees: number;
+            /** Input */
+            input: string;
+            /** Moved */
+            moved: boolean;
+            /** Mutual Information */
+            mutual_information: number;
+            /** Mutual Information Before */
+            mutual_information_before: number;
+            /** Shift Mm */
+            shift_mm: number;
+        };
+        /**
          * ArtifactView
          * @description One file that a job made.
          */
@@ -1375,6 +1393,18 @@ export interface components {
             name: string;
         };
         /**
+         * Microhemorrhage
+         * @description One cluster of bleeding.
+         */
+        Microhemorrhage: {
+            /** Centroid */
+            centroid: number[];
+            /** Volume Mm3 */
+            volume_mm3: number;
+            /** Voxels */
+            voxels: number;
+        };
+        /**
          * MotionDecodeParams
          * @description Which frames to decode, and into what.
          */
@@ -1621,7 +1651,7 @@ export interface components {
              * Code
              * @enum {string}
              */
-            code: "bad_request" | "checksum_mismatch" | "conflict" | "corrupt_file" | "empty_content" | "forbidden" | "gone" | "grid_mismatch" | "headers_too_large" | "idempotency_conflict" | "inconsistent_sequence" | "input_expired" | "internal_error" | "invalid_mesh" | "invalid_params" | "invalid_transition" | "invalid_volume" | "irregular_series" | "length_required" | "memory_limit_exceeded" | "method_not_allowed" | "missing_dependency" | "missing_input" | "mixed_series" | "no_object_found" | "not_acceptable" | "not_found" | "precondition_failed" | "range_not_satisfiable" | "rate_limited" | "request_timeout" | "request_too_large" | "service_unavailable" | "storage_full" | "time_limit_exceeded" | "too_large" | "unauthenticated" | "unknown_format" | "unknown_job_kind" | "unsafe_archive" | "unsupported_format" | "unsupported_media_type" | "untrusted_host" | "untrusted_origin" | "upload_expired" | "upload_locked" | "upload_offset_mismatch" | "validation_failed" | "worker_lost" | "wrong_input_kind";
+            code: "bad_request" | "checksum_mismatch" | "conflict" | "corrupt_file" | "different_subjects" | "empty_content" | "forbidden" | "gone" | "grid_mismatch" | "headers_too_large" | "idempotency_conflict" | "inconsistent_sequence" | "input_expired" | "internal_error" | "invalid_mesh" | "invalid_params" | "invalid_transition" | "invalid_volume" | "irregular_series" | "length_required" | "memory_limit_exceeded" | "method_not_allowed" | "missing_dependency" | "missing_input" | "mixed_series" | "no_object_found" | "not_acceptable" | "not_found" | "precondition_failed" | "range_not_satisfiable" | "rate_limited" | "request_timeout" | "request_too_large" | "service_unavailable" | "storage_full" | "time_limit_exceeded" | "too_large" | "unauthenticated" | "unknown_format" | "unknown_job_kind" | "unsafe_archive" | "unsupported_format" | "unsupported_media_type" | "untrusted_host" | "untrusted_origin" | "upload_expired" | "upload_locked" | "upload_offset_mismatch" | "validation_failed" | "worker_lost" | "wrong_input_kind";
             /** Detail */
             detail: string;
             /** @description The places that are not valid (`validation_failed`). */
@@ -1761,6 +1791,11 @@ export interface components {
          */
         SegmentationParams: {
             /**
+             * Box
+             * @default null
+             */
+            box: number[] | null;
+            /**
              * Edge Length
              * @default null
              */
@@ -1771,10 +1806,33 @@ export interface components {
              */
             max_objects: number;
             /**
+             * Microhemorrhages
+             * @default auto
+             * @enum {string}
+             */
+            microhemorrhages: "auto" | "bright" | "dark" | "off";
+            /**
+             * Mode
+             * @default auto
+             * @enum {string}
+             */
+            mode: "auto" | "tumor" | "object";
+            /**
+             * Polarity
+             * @default auto
+             * @enum {string}
+             */
+            polarity: "auto" | "bright" | "dark";
+            /**
              * Random Seed
              * @default 0
              */
             random_seed: number;
+            /**
+             * Register Volumes
+             * @default true
+             */
+            register_volumes: boolean;
             /**
              * Seeds
              * @default []
@@ -1791,12 +1849,33 @@ export interface components {
              * @enum {string}
              */
             topology: "preserve" | "adaptive";
+            /**
+             * Vessel Seeds
+             * @default []
+             */
+            vessel_seeds: number[][];
         };
         /**
          * SegmentationResult
          * @description What ``report.json`` holds and the API returns.
          */
         SegmentationResult: {
+            /**
+             * Alignments
+             * @default []
+             */
+            alignments: components["schemas"]["Alignment"][];
+            /**
+             * Microhemorrhages
+             * @default []
+             */
+            microhemorrhages: components["schemas"]["Microhemorrhage"][];
+            /**
+             * Mode
+             * @default tumor
+             * @enum {string}
+             */
+            mode: "tumor" | "object";
             /** Objects */
             objects: components["schemas"]["SegmentedObject"][];
             /** Stages */
@@ -1805,6 +1884,16 @@ export interface components {
             versions: {
                 [key: string]: string;
             };
+            /**
+             * Vessel Polarity
+             * @default null
+             */
+            vessel_polarity: ("bright" | "dark") | null;
+            /**
+             * Vessels
+             * @default []
+             */
+            vessels: components["schemas"]["SegmentedVessel"][];
             /** Voxel Counts */
             voxel_counts: {
                 [key: string]: number;
@@ -1842,8 +1931,24 @@ export interface components {
             iterations: number;
             /** Label */
             label: number;
+            /**
+             * Notes
+             * @default []
+             */
+            notes: string[];
+            /**
+             * Polarity
+             * @default bright
+             * @enum {string}
+             */
+            polarity: "bright" | "dark" | "between";
             /** Seed */
             seed: number[];
+            /**
+             * Seed Volume Mm3
+             * @default 0
+             */
+            seed_volume_mm3: number;
             /**
              * Seeded By
              * @enum {string}
@@ -1855,6 +1960,42 @@ export interface components {
             surface: string;
             /** Threshold */
             threshold: number;
+            /** Vertices */
+            vertices: number;
+            /** Volume Mm3 */
+            volume_mm3: number;
+        };
+        /**
+         * SegmentedVessel
+         * @description One connected vessel, with all its branches.
+         */
+        SegmentedVessel: {
+            /** Area Mm2 */
+            area_mm2: number;
+            /** Branches */
+            branches: number;
+            /** Closed */
+            closed: boolean;
+            /** Faces */
+            faces: number;
+            /** Forks */
+            forks: number;
+            /** Genus */
+            genus: number;
+            /** Label */
+            label: number;
+            /** Largest Radius Mm */
+            largest_radius_mm: number;
+            /** Least Radius Mm */
+            least_radius_mm: number;
+            /** Length Mm */
+            length_mm: number;
+            /** Mean Radius Mm */
+            mean_radius_mm: number;
+            /** Self Intersections */
+            self_intersections: number;
+            /** Surface */
+            surface: string;
             /** Vertices */
             vertices: number;
             /** Volume Mm3 */
