@@ -13,7 +13,7 @@ from statistics import mean
 from typing import Any
 
 import benchmarks.segmentation as package
-from benchmarks.segmentation import beside, growth, ours, settings, tables
+from benchmarks.segmentation import beside, blobs, growth, ours, settings, tables
 from benchmarks.segmentation.cache import Cache, digest, digest_sources
 from benchmarks.segmentation.cases import DATA, MEASURED_MM3, ROOT, Case, head_cases, real_cases
 from benchmarks.segmentation.peers import PEERS
@@ -49,6 +49,7 @@ def main() -> None:
         results["settings"] = {c.name: cache.get(f"settings {c.name}", key, lambda c=c: _settings(c)) for c in counted}
     if "phantoms" in given.part:
         cases = [case for case in head_cases(given.cache) if _wanted(case, given.only)]
+        results["blobs"] = [cache.get(f"blob {name}", key, lambda n=name: blobs.measure(n)) for name in blobs.BLOBS]
         results["phantoms"] = [_ours(case, process, cache, key) for case in cases]
     process.close()
     if "growth" in given.part:
@@ -161,7 +162,10 @@ def document(results: dict[str, Any]) -> str:
             *tables.ratio_lines(by_name, results["peers"], names),
         ]
     if "phantoms" in results:
-        text += ["", "## Phantoms", "", *tables.cases_table(results["phantoms"])]
+        text += ["", "## Phantoms", "", "Heads with known truth, as the real cases are done:", ""]
+        text += tables.cases_table(results["phantoms"])
+        text += ["", "Blobs with a known border, through the general mode from a seed in their middle:", ""]
+        text += tables.blobs_table(results["blobs"])
     if "growth" in results:
         text += ["", "## Growth", "", *tables.growth_table(results["growth"])]
     return "\n".join(text) + "\n"

@@ -162,6 +162,26 @@ def ratio_lines(
     )
 
 
+def blobs_table(rows: Sequence[Row]) -> list[str]:
+    """Return how each blob was recovered."""
+    lines = [
+        [row["name"], "refused", *["–"] * 6]
+        if row["refused"]
+        else [
+            row["name"],
+            shown(row["iou"]),
+            shown(row["dice"]),
+            shown(row["assd_mm"], 2),
+            shown(row["hd95_mm"], 2),
+            row["polarity"],
+            str(row["self_intersections"]),
+            shown(row["cpu_seconds"], 2),
+        ]
+        for row in rows
+    ]
+    return table(("blob", "IoU", "Dice", "ASSD mm", "HD95 mm", "taken for", "self-int.", "CPU s"), lines)
+
+
 def growth_table(rows: Sequence[Row]) -> list[str]:
     """Return how time and memory grow."""
     titles = {

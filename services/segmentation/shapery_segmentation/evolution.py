@@ -1,18 +1,7 @@
-r"""A surface as it grew, to be watched again: few frames, few triangles, one small file.
+"""A surface as it grew, to be watched again: few frames, few triangles, one small file.
 
-The file ``evolution.bin``, little-endian throughout::
-
-    8 bytes   "SHPEVO1\0"
-    uint32    n, length of the header
-    n bytes   header, UTF-8 JSON, padded with spaces so that what follows begins at a multiple of 4
-    then      the frames one after the other, each at its offset from the end of the header
-
-    header    {"origin": [x, y, z], "step": s, "frames": [frame, …]}
-    frame     {"object": number, "stage": i, "iteration": n, "vertices": v, "faces": f, "offset": bytes}
-    a frame   v × 3 uint16, a place is origin + step · value, in RAS mm; padded to a multiple of 4; f × 3 uint32,
-              indices of vertices, counter-clockwise seen from outside
-
-Frames are sorted by object and iteration; the last frame of an object is its surface at rest.
+The file ``evolution.bin`` is described in ``api_schema/evolution.md``: a header in JSON, then the frames, their
+vertices as 16-bit numbers.
 """
 
 from __future__ import annotations
@@ -117,7 +106,7 @@ def coarsened(mesh: TriangleMesh, most: int) -> TriangleMesh:
 
 
 def write_evolution(frames: tuple[Frame, ...], path: Path) -> None:
-    """Write frames as described at the top of this module."""
+    """Write frames, sorted by object and iteration."""
     origin, step = np.zeros(3), 1.0
     if frames:
         low = np.min([frame.mesh.vertices.min(axis=0) for frame in frames], axis=0)

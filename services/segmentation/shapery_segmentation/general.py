@@ -107,8 +107,8 @@ ELSEWHERE = "The seed itself lies outside the object that was found around it."
 QUARTILE_TO_SIGMA = 3.138
 """Lower quartile of the absolute values of a normal distribution to its standard deviation."""
 
-NEARBY = 6
-"""Voxels around the seed from which the noise is taken."""
+NEARBY, WIDER = 3, 1.2
+"""Voxels around the seed from which the noise is taken, and the deviation in voxels of the wider average."""
 
 Polarity = Literal["bright", "dark", "between"]
 
@@ -270,9 +270,13 @@ def _still_region(volume: Volume, target: Target) -> tuple[BoolArray, float]:
         high = np.clip(np.ceil(corners.max(axis=0) + 0.5), low + 1, volume.shape).astype(int)
         usable[tuple(slice(a, b) for a, b in zip(low, high, strict=True))] = True
         seed = np.clip(seed, low, high - 1)
-    around = tuple(slice(max(int(s) - NEARBY, 0), int(s) + NEARBY + 1) for s in seed)
     smooth = _smoothed(volume)
-    noise = _noise(smooth[around])
+    around = tuple(slice(max(int(s) - 3 * NEARBY, 0), int(s) + 3 * NEARBY + 1) for s in seed)
+    middle = tuple(
+        slice(max(int(s) - b.start - NEARBY, 0), int(s) - b.start + NEARBY + 1)
+        for s, b in zip(seed, around, strict=True)
+    )
+    noise = _noise(smooth[around], middle)
     here = tuple(slice(max(int(s) - 1, 0), int(s) + 2) for s in seed)
     centre = float(np.median(smooth[here]))
     spread = float(np.percentile(np.abs(smooth[usable] - centre), 99.0))
@@ -413,13 +417,13 @@ def _smoothed(volume: Volume) -> FloatArray:
     )
 
 
-def _noise(values: FloatArray) -> float:
+def _noise(values: FloatArray, inner: tuple[slice, ...]) -> float:
     """Return the deviation of the noise, and of the object's own texture: of what a wider average takes away.
 
     Differences of neighbours would not do: most files were filtered or resampled, and neighbours are alike. The lower
-    quartile, because a border may run through half of the values.
+    quartile, in the middle of `values` alone, because a border may be near.
     """
-    rest = np.abs(values - ndimage.gaussian_filter(values, 2.0, mode="nearest"))
+    rest = np.abs(values - ndimage.gaussian_filter(values, WIDER, mode="nearest"))[inner]
     return QUARTILE_TO_SIGMA * float(np.percentile(rest, 25.0))
 
 
