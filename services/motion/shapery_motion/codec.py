@@ -68,7 +68,7 @@ class Encoding:
     labels: IntArray
     """(n,) the cluster of each vertex in the first group."""
     points: tuple[tuple[float, int], ...]
-    """KG errors in percent and bytes of motion that the encoder passed through."""
+    """KG errors in percent and bytes of motion, of this encoding and of coarser ones."""
     warnings: tuple[str, ...]
 
 

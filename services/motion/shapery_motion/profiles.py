@@ -48,7 +48,7 @@ class EncodedGroup:
     labels: IntArray
     """(n,) the cluster of each vertex."""
     points: tuple[tuple[float, int], ...] = ()
-    """Sums of squared errors and bytes that the encoder passed through on its way."""
+    """Sums of squared errors and bytes at the chosen step and at others: as many for each group of a sequence."""
     part_names: Mapping[str, str] = field(default_factory=dict)
     """What each tag holds, for reports: ``{"TBAS": "bases"}``."""
 

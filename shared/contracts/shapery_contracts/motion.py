@@ -95,7 +95,7 @@ class MotionEncodeResult(BaseModel):
 
 
 class RatePoint(BaseModel):
-    """One point of the curve of rate over distortion that the encoder passed through."""
+    """One point of the curve of rate over distortion: this encoding, or a coarser one."""
 
     kg_percent: float
     motion_bits_per_vertex_frame: float

@@ -21,8 +21,8 @@ FEW: Final = 24
 """Clusters from which merging starts, when there is time and when there is none."""
 BIT: Final = 2.0 * np.log(2.0) / 12.0
 """Squared error, in squared steps, that a bit is worth where all numbers are quantised finely."""
-SHARE: Final = 0.5
-"""Share of the bits of independent numbers that smoothness leaves, about."""
+SHARES: Final = (0.5, 0.3, 0.8)
+"""Shares of the bits of independent numbers that smoothness may leave: it depends on the motion which is right."""
 
 
 def reduced(trajectories: FloatArray, dimensions: int = REDUCED) -> FloatArray:
@@ -70,11 +70,12 @@ class Worth:
     """
 
     frames: int
+    share: float
 
     def of_modes(self, energies: FloatArray, vertices: int) -> tuple[float, int]:
         """Return the loss of a cluster by the falling energies of its modes, and how many of them pay."""
         numbers = vertices + 3 * self.frames
-        kept = BIT * (_bits(energies, SHARE * vertices) + _bits(energies, SHARE * 3 * self.frames))
+        kept = BIT * (_bits(energies, self.share * vertices) + _bits(energies, self.share * 3 * self.frames))
         kept += np.minimum(energies, numbers / 12.0)
         return float(np.minimum(kept, energies).sum()), int((kept < energies).sum())
 
@@ -83,43 +84,55 @@ def _bits(energies: FloatArray, numbers: float) -> FloatArray:
     return np.asarray(0.5 * numbers * np.log2(1.0 + energies / numbers))
 
 
-def merge(points: FloatArray, labels: IntArray, worth: Worth) -> IntArray:
-    """Join clusters two by two as long as that lowers the loss of all, the most profitable first.
+class Spectra:
+    """Energies of clusters and of their unions, each computed once.
 
     Parameters
     ----------
     points : (n, d)
         Reduced trajectories in units of the step.
     labels : (n,)
-        Clusters from 0 without gaps.
-    worth
-        What modes cost.
+        Clusters from 0 without gaps, the parts of which unions are made.
     """
-    labels = labels.copy()
-    count = int(labels.max()) + 1
-    grams = {label: points[labels == label].T @ points[labels == label] for label in range(count)}
-    sizes = {label: int((labels == label).sum()) for label in range(count)}
 
-    def loss(gram: FloatArray, size: int) -> float:
-        return worth.of_modes(np.maximum(np.linalg.eigvalsh(gram)[::-1], 0.0), size)[0]
+    def __init__(self, points: FloatArray, labels: IntArray) -> None:
+        self.labels = labels
+        self._grams = [points[labels == label].T @ points[labels == label] for label in range(int(labels.max()) + 1)]
+        self._sizes = np.bincount(labels)
+        self._known: dict[frozenset[int], FloatArray] = {}
 
-    losses = {label: loss(grams[label], sizes[label]) for label in grams}
+    def __len__(self) -> int:
+        return len(self._grams)
+
+    def loss(self, parts: frozenset[int], worth: Worth) -> float:
+        """Return the loss of the union of some clusters."""
+        if parts not in self._known:
+            gram = np.sum([self._grams[part] for part in sorted(parts)], axis=0)
+            self._known[parts] = np.maximum(np.linalg.eigvalsh(gram)[::-1], 0.0)
+        return worth.of_modes(self._known[parts], int(self._sizes[list(parts)].sum()))[0]
+
+
+def merge(spectra: Spectra, worth: Worth) -> IntArray:
+    """Join clusters two by two as long as that lowers the loss of all, the most profitable first; return the labels."""
+    unions = {part: frozenset({part}) for part in range(len(spectra))}
+    losses = {part: spectra.loss(union, worth) for part, union in unions.items()}
 
     def gain(a: int, b: int) -> float:
-        return losses[a] + losses[b] - loss(grams[a] + grams[b], sizes[a] + sizes[b])
+        return losses[a] + losses[b] - spectra.loss(unions[a] | unions[b], worth)
 
-    gains = {(a, b): gain(a, b) for a in grams for b in grams if a < b}
+    gains = {(a, b): gain(a, b) for a in unions for b in unions if a < b}
     while gains:
         (a, b), best = max(gains.items(), key=lambda item: item[1])
         if best <= 0.0:
             break
-        labels[labels == b] = a
-        grams[a] = grams[a] + grams.pop(b)
-        sizes[a] += sizes.pop(b)
-        losses[a] = loss(grams[a], sizes[a])
+        unions[a] |= unions.pop(b)
+        losses[a] = spectra.loss(unions[a], worth)
         gains = {pair: value for pair, value in gains.items() if a not in pair and b not in pair}
-        gains |= {(min(a, c), max(a, c)): gain(a, c) for c in grams if c != a}
-    return compact(labels)
+        gains |= {(min(a, c), max(a, c)): gain(a, c) for c in unions if c != a}
+    home = np.empty(len(spectra), dtype=np.int64)
+    for part, union in unions.items():
+        home[list(union)] = part
+    return compact(home[spectra.labels])
 
 
 def regroup(
@@ -166,7 +179,7 @@ def regroup(
             inside = (points @ vectors[:, ::-1][:, :rank]) ** 2
             loss[:, label] = np.maximum(energy - inside.sum(axis=1), 0.0)
             if worth is not None:
-                loss[:, label] += BIT * SHARE * 0.5 * np.log2(1.0 + inside).sum(axis=1)
+                loss[:, label] += BIT * worth.share * 0.5 * np.log2(1.0 + inside).sum(axis=1)
         member = np.zeros((n, count))
         member[np.arange(n), labels] = coherence
         found = (loss - adjacency @ member).argmin(axis=1)
@@ -179,8 +192,8 @@ def regroup(
 
 def find_clusters(
     trajectories: FloatArray, graph: VertexGraph, step: float, *, count: int | None, thorough: bool
-) -> IntArray:
-    """Divide the vertices into clusters.
+) -> list[IntArray]:
+    """Divide the vertices into clusters, in one way or in several to choose from.
 
     Parameters
     ----------
@@ -193,19 +206,29 @@ def find_clusters(
     count
         How many clusters at the most are wanted; None: as many as pay.
     thorough
-        Whether to start from many and to move vertices after the clusters were merged.
+        Whether to start from many, to move vertices after the clusters were merged, and to give several ways.
+
+    Returns
+    -------
+    list of (n,)
+        Labels from 0 without gaps; no two alike.
     """
     n, frames, _ = trajectories.shape
     many = MANY if thorough else FEW
     start = min(count if count is not None else max(1, min(many, n // 24)), n)
     if start == 1:
-        return np.zeros(n, dtype=np.int64)
+        return [np.zeros(n, dtype=np.int64)]
     points = reduced(trajectories.reshape(n, -1)) / step
     labels = regroup(points, graph, spread_out(points, start), coherence=200.0, rounds=6)
     if count is not None:
-        return labels
-    worth = Worth(frames)
-    labels = merge(points, labels, worth)
-    if thorough:
-        labels = regroup(points, graph, labels, coherence=3.0, rounds=8, worth=worth)
-    return labels
+        return [labels]
+    found: list[IntArray] = []
+    spectra = Spectra(points, labels)
+    for share in SHARES if thorough else SHARES[:1]:
+        worth = Worth(frames, share)
+        merged = merge(spectra, worth)
+        if thorough:
+            merged = regroup(points, graph, merged, coherence=1.0, rounds=8, worth=worth)
+        if not any(np.array_equal(merged, other) for other in found):
+            found.append(merged)
+    return found
