@@ -90,6 +90,7 @@ bench-motion: setup ## measure motion compression beside its peers; takes long, 
 
 bench-segmentation: setup ## measure segmentation: real cases, peers, phantoms, growth (goes on where it stopped)
 	$(BIN)/python -m benchmarks.segmentation
+	$(BIN)/python -m benchmarks.segmentation.vessels
 
 bench-retrieval: setup ## measure retrieval: the dissertation's figures and table, peers, wear, cost
 	$(BIN)/python -m benchmarks.retrieval $(BENCH)
