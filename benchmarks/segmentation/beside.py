@@ -1,14 +1,12 @@
-"""The peers on the same cases, from the same seeds, on three inputs.
+"""The peers on the same cases, from the same seeds, on two inputs.
 
 ``plain``
     The calibrated difference Z = (post − (a·pre + b)) / MAD, as one would make it without us, and a ball of 3 mm around
     the point that our automatic search starts from: what a user's click would be. Not over the whole brain but in the
     box of our flow and 16 voxels around it, which spares the peers time and farther leaks.
-``plain from our seed``
-    The same, from our flow's own seed surface, which has passed the gate and is near the border already.
 ``ours``
     The very arrays that our flow gets: the smoothed partial difference around the object, where the object may lie at
-    all (the density gate), and the seed surface.
+    all (the density gate), and the flow's own seed surface, which has passed that gate and is near the border already.
 """
 
 from __future__ import annotations
@@ -43,7 +41,6 @@ from shapery_segmentation.labels import fill_enclosed
 
 INPUTS = {
     "plain": "the plain calibrated difference, a ball as seed",
-    "plain from our seed": "the plain calibrated difference, our seed surface",
     "ours": "our input, leak gate and seed surface",
 }
 
@@ -104,9 +101,6 @@ def prepare(case: Case) -> Prepared:
         around = tuple(
             slice(max(b.start - AROUND, 0), min(b.stop + AROUND, n)) for b, n in zip(box, grid.shape, strict=True)
         )
-        wide = np.zeros(grid.shape, dtype=np.bool_)
-        wide[box] = seed
-        starts["plain from our seed"].append(Start(around, plain[around], wide[around], brain.mask[around]))
         boxes.append(around)
     for item in found.report.objects:
         middle = np.linalg.solve(grid.affine[:3, :3], np.asarray(item.seed) - grid.affine[:3, 3])

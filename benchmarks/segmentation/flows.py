@@ -37,9 +37,19 @@ def recorded(**changes: Any) -> Iterator[list[FlowCall]]:
     flow = objects.normal_flow
 
     def timed(field: Any, allowed: Any, affine: Any, seed: Any, params: Any, **options: Any) -> Any:
+        told, watched = options.pop("on_iteration", None), 0.0
+
+        def on_iteration(state: Any) -> None:
+            nonlocal watched
+            begin = time.process_time()
+            if told is not None:
+                told(state)
+            watched += time.process_time() - begin
+
         start = time.process_time()
-        result = flow(field, allowed, affine, seed, replace(params, **changes), **options)
-        spent = time.process_time() - start
+        result = flow(field, allowed, affine, seed, replace(params, **changes), on_iteration=on_iteration, **options)
+        # Keeping frames to be watched is no part of the flow.
+        spent = time.process_time() - start - watched
         calls.append(
             FlowCall(
                 field, allowed, affine, seed, options["threshold"], spent, result.iterations, len(result.mesh.vertices)

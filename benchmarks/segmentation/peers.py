@@ -169,7 +169,7 @@ PEERS: dict[str, tuple[str, Callable[..., Any], list[Setting]]] = {
     "threshold_level_set": (
         "ITK ThresholdSegmentationLevelSet",
         threshold_level_set,
-        _grid(lower=(1.5, 2.0, 2.5, 3.0), curvature=(0.5,), rms=(0.01,), iterations=(600,)),
+        _grid(lower=(2.0, 2.5, 3.0), curvature=(0.5,), rms=(0.01,), iterations=(600,)),
     ),
     "geodesic_active_contour": (
         "ITK GeodesicActiveContour",
@@ -191,7 +191,7 @@ PEERS: dict[str, tuple[str, Callable[..., Any], list[Setting]]] = {
     "chan_vese": (
         "morphological Chan–Vese (scikit-image)",
         chan_vese,
-        _grid(iterations=(30,), smoothing=(1,), lambda1=(1.0, 2.0)),
+        _grid(iterations=(15,), smoothing=(1,), lambda1=(1.0,)),
     ),
     "fixed_threshold": (
         "threshold and component",
@@ -202,7 +202,7 @@ PEERS: dict[str, tuple[str, Callable[..., Any], list[Setting]]] = {
     "two_gaussians": (
         "two Gaussians and component",
         two_gaussians,
-        _grid(start=(95.0, 99.0), posterior=(0.5, 0.9)),
+        _grid(start=(97.0,), posterior=(0.5, 0.9)),
     ),
 }
 """Title, method and settings by name."""

@@ -23,6 +23,9 @@ MAGIC = b"SHPEVO1\0"
 MOST_FRAMES = 24
 """Of one object. Where there would be more, every second is dropped and only every second is taken from then on."""
 
+FIRST_EVERY = 4
+"""Iterations between two frames of a flow that is not long."""
+
 MOST_VERTICES = 1200
 """Of one frame: enough to watch."""
 
@@ -55,7 +58,7 @@ class Recorder:
 
     def __init__(self) -> None:
         self._frames: list[Frame] = []
-        self._every = 1
+        self._every = FIRST_EVERY
         self._seen = 0
 
     def watch(self, state: FlowState) -> Frame | None:
