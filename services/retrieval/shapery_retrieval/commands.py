@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
@@ -20,6 +21,7 @@ from shapery_retrieval.local import open_bank
 from shapery_retrieval.search import score_matrix
 
 MESH_SUFFIXES = frozenset({".obj", ".ply", ".stl", ".off", ".glb"})
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 Outcome = dict[str, Any]
 OnProgress = Callable[[float, str], None]
 
@@ -100,10 +102,17 @@ def _all_args(
         for name, path in files:
             yield name, path, *_arg_of(path)
         return
-    # a forked child of a process with threads may hang: each begins anew
-    with ProcessPoolExecutor(min(processes, len(files)), mp_context=get_context("spawn")) as pool:
-        for (name, path), (data, error) in zip(files, pool.map(_arg_of, [path for _, path in files]), strict=True):
-            yield name, path, data, error
+    given = {name: os.environ.get(name) for name in _THREADS}
+    # processes share the processors already; threads of linear algebra in each would only wait for each other
+    os.environ.update({name: "1" for name, value in given.items() if value is None})
+    try:
+        # a forked child of a process with threads may hang: each begins anew
+        with ProcessPoolExecutor(min(processes, len(files)), mp_context=get_context("spawn")) as pool:
+            for (name, path), (data, error) in zip(files, pool.map(_arg_of, [path for _, path in files]), strict=True):
+                yield name, path, data, error
+    finally:
+        for name in (name for name, value in given.items() if value is None):
+            del os.environ[name]
 
 
 def _arg_of(path: Path) -> tuple[bytes | None, dict[str, str] | None]:
