@@ -173,6 +173,8 @@ def main() -> None:
     parser.add_argument("--shapes", type=int, default=100, help="how many of them, spread over the folder")
     parser.add_argument("--searches", type=int, default=100)
     options = parser.parse_args()
+    if not options.folder.is_dir():
+        parser.exit(0, f"There is no folder {options.folder}, so nothing was measured.\n")
     found = measure(options.folder, options.shapes, options.searches)
     RESULTS.mkdir(exist_ok=True)
     (RESULTS / "search_over_http.json").write_text(json.dumps(found, indent=1) + "\n")
