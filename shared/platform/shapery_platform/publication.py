@@ -103,9 +103,7 @@ def succeed(
         "index_version": shape.result.index_version,
         "revision": revision,
         "vector": pack_vector(shape.result.vector),
-        "report": shape.result.model_dump(
-            mode="json", exclude={"vector", "arg", "arg_bytes", "index_version", "stages"}
-        ),
+        "report": shape.result.model_dump(mode="json", exclude=_NOT_TOLD),
         "arg_sha256": hashlib.sha256(shape.graph).hexdigest(),
         "arg_size": len(shape.graph),
         "indexed_at": utc_now(),

@@ -1,51 +1,13 @@
-"""How the kernels of the mesh and of its flows are compiled.
-
-They lie in several modules and call each other, and numba inlines across modules. Its cache on disk looks at the file
-of the outermost function alone, so after a change elsewhere it would go on to use what it compiled before. Kernels
-declared here are cached under a digest of all the sources together.
-"""
-
-# mypy: allow-untyped-defs, allow-untyped-calls
+"""How the kernels of the mesh and of its flows are compiled: together (see `shapery_geometry.compilation`)."""
 
 from __future__ import annotations
 
-import hashlib
 from pathlib import Path
-from typing import Any
 
-from numba import njit
+from shapery_geometry.compilation import KernelFamily, inlined, inner
 
-_COMMON = {"nogil": True, "error_model": "numpy"}
-"""Division by zero gives infinity instead of an exception, for which every division would need a branch; kernels divide
-by what they have checked."""
+__all__ = ["inlined", "inner", "kernel"]
 
-_WITHIN = {**_COMMON, "no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": False}
+_PACKAGE = Path(__file__).resolve().parent.parent
 
-inner = njit(**_WITHIN)
-"""For functions that only kernels call. Without the wrappers they compile in half the time, and without counting
-references to arrays they run in half. They must not allocate."""
-
-inlined = njit(**_WITHIN, forceinline=True)
-"""The same for small functions in the innermost loops."""
-
-
-def _digest() -> str:
-    """Return a digest of everything that compiled code depends on."""
-    package = Path(__file__).resolve().parent.parent
-    digest = hashlib.sha256()
-    for path in sorted((*package.glob("mesh/*.py"), *package.glob("flow/_*.py"))):
-        digest.update(path.read_bytes())
-    return digest.hexdigest()
-
-
-_SOURCES = _digest()
-
-
-def kernel(function: Any) -> Any:
-    """Compile a function that Python calls, and keep what was compiled on disk until any of the sources changes."""
-    dispatcher = njit(cache=True, **_COMMON)(function)
-    index = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
-    # Where numba keeps this elsewhere one day, its cache works as it does by itself.
-    if index is not None and hasattr(index, "_source_stamp"):
-        index._source_stamp = ("sources", _SOURCES)
-    return dispatcher
+kernel = KernelFamily((*_PACKAGE.glob("mesh/*.py"), *_PACKAGE.glob("flow/_*.py"))).kernel
