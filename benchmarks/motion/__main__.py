@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.motion import chapter, growth, report
-from benchmarks.motion.case import DATA, RESULTS, TARGETS, Case, Method, load
+from benchmarks.motion.case import DATA, RESULTS, ROOT, TARGETS, Case, Method, load
 from benchmarks.motion.ours import affine_points, file, spectral_points
 from benchmarks.motion.quantised import delta_lzma, delta_parallelogram, draco
 from benchmarks.motion.subspaces import clustered_pca, shape_pca, trajectory_pca
@@ -133,6 +133,8 @@ def main() -> None:
         if options.again or not chapter.complete():
             print("chapter 5", flush=True)
             chapter.measure()
+    if not any(KEPT.glob("*.*.json")):
+        raise SystemExit(f"nothing is kept in {KEPT.relative_to(ROOT)} to report on")
     report.write(KEPT)
 
 

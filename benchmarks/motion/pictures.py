@@ -8,6 +8,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.collections import PolyCollection
+from matplotlib.ticker import NullFormatter
 
 from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.operators.curvature import mean_curvature
@@ -17,6 +18,7 @@ mpl.use("Agg")
 from matplotlib import pyplot as plt
 
 COLOURS = ("#1f5fa8", "#6aa9e0", "#c0504d", "#2e8b57", "#74b58d", "#8064a2", "#b8860b", "#808080", "#444444")
+DOTS = 90
 MARKS = ("o", "o", "s", "^", "v", "D", "P", "x", "*")
 
 
@@ -24,7 +26,7 @@ def side_by_side(path: Path, panels: list[tuple[str, TriangleMesh]]) -> None:
     """Draw meshes next to each other, seen along the axis of their least extent but upright."""
     figure, axes = plt.subplots(1, len(panels), figsize=(3.4 * len(panels), 4.6), squeeze=False)
     first = panels[0][1]
-    limit = 4 / max(first.diagonal, 1e-30) * 3
+    limit = max(float(np.percentile(np.abs(mean_curvature(first)), 92)), 1e-30)
     size = np.ptp(first.vertices, axis=0)
     up = int(size.argmax())
     depth = min((axis for axis in range(3) if axis != up), key=lambda axis: size[axis])
@@ -36,7 +38,12 @@ def side_by_side(path: Path, panels: list[tuple[str, TriangleMesh]]) -> None:
         light = 0.35 + 0.65 * np.clip(mesh.face_normals[:, depth], 0, 1)
         colours = plt.get_cmap("coolwarm")(curvature)[:, :3] * light[:, None]
         axis.add_collection(
-            PolyCollection(mesh.corners[front][:, :, [across, up]], facecolors=colours[front], linewidths=0)
+            PolyCollection(
+                mesh.corners[front][:, :, [across, up]],
+                facecolors=colours[front],
+                edgecolors=colours[front],
+                linewidths=0.2,
+            )
         )
         low, high = mesh.bounding_box
         axis.set_xlim(low[across], high[across])
@@ -45,7 +52,7 @@ def side_by_side(path: Path, panels: list[tuple[str, TriangleMesh]]) -> None:
         axis.set_axis_off()
         axis.set_title(title, fontsize=9)
     figure.tight_layout()
-    figure.savefig(path, dpi=110)
+    figure.savefig(path, dpi=DOTS)
     plt.close(figure)
 
 
@@ -69,10 +76,11 @@ def rate_distortion(path: Path, curves: dict[str, dict[str, list[tuple[float, fl
                 color=colour, marker=mark, markersize=4, linewidth=1.2, label=method,
             )  # fmt: skip
         _logarithmic(axis, "bits per vertex and frame", "KG error, %")
+        axis.set_ylim(0.015, 12)
         axis.set_title(names[place], fontsize=10)
     axes[0][0].legend(fontsize=6.5)
     figure.tight_layout()
-    figure.savefig(path, dpi=110)
+    figure.savefig(path, dpi=DOTS)
     plt.close(figure)
 
 
@@ -85,13 +93,16 @@ def errors_over_clusters(path: Path, curves: dict[str, list[tuple[float, float]]
     _logarithmic(axis, "clusters", "Eq. 5.12, mean edge lengths")
     axis.legend(fontsize=7)
     figure.tight_layout()
-    figure.savefig(path, dpi=110)
+    figure.savefig(path, dpi=DOTS)
     plt.close(figure)
 
 
 def _logarithmic(axis: Any, x: str, y: str) -> None:
     axis.set_xscale("log")
     axis.set_yscale("log")
+    for direction in (axis.xaxis, axis.yaxis):
+        direction.set_major_formatter("{x:g}")
+        direction.set_minor_formatter(NullFormatter())
     axis.set_xlabel(x)
     axis.set_ylabel(y)
     axis.grid(visible=True, which="both", alpha=0.25)

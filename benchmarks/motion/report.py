@@ -65,6 +65,7 @@ def write(kept: Path) -> None:
     for place in sorted(kept.glob("*.*.json")):
         name, method = place.name.removesuffix(".json").split(".", 1)
         found.setdefault(name, {})[method] = json.loads(place.read_text())
+    found = dict(sorted(found.items(), key=lambda item: (item[0] != "crane", item[0].lower())))
     growth = _read(kept / "growth.json") or []
     figures = _read(kept / "figures.json") or {}
     (RESULTS / "motion.json").write_text(
