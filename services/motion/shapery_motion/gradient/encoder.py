@@ -35,6 +35,8 @@ FINEST: Final = 2.0**-27
 UNBOUNDED_STEP: Final = 2.0**-16
 """The step where no bound is given, in extents of the group."""
 
+ENOUGH: Final = 8
+"""After how many frames it is judged whether to predict at all."""
 ATTEMPTS: Final = 4
 """How often the step of key frames is brought nearer to the bound."""
 
@@ -165,15 +167,19 @@ def _alone(task: GroupTask, walk: Traversal, origin: FloatArray, extent: float) 
 def _predict(
     task: GroupTask, options: GradientOptions, walk: Traversal, origin: FloatArray, step: float, rival: int | None
 ) -> EncodedFrames | None:
-    """Predict frames from key frames; give up, with nothing, once that has become longer than `rival`."""
+    """Predict frames from key frames; give up, with nothing, where that promises to become longer than `rival`."""
     predictor = _Predictor(task, options, Group(task.faces, origin, step), walk)
-    for number in range(len(task.frames)):
+    count, first = len(task.frames), 0
+    for number in range(count):
         task.check_cancelled()
         predictor.encode(number)
-        task.on_progress((number + 1) / len(task.frames))
-        # the first frames may be dearer than the others
-        if rival is not None and predictor.writer.size * len(task.frames) > 1.5 * rival * (number + 8):
-            return None
+        task.on_progress((number + 1) / count)
+        first = first or predictor.writer.size
+        if rival is not None and number >= min(ENOUGH, count - 1):
+            # the first frame is dearer than the others, which go on as they did so far
+            promised = first + (predictor.writer.size - first) * (count - 1) / number if number else first
+            if promised > rival:
+                return None
     return EncodedFrames(predictor.group, predictor.finish(), predictor.squared, predictor.largest)
 
 
