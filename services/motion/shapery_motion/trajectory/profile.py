@@ -33,7 +33,7 @@ SLOPE: Final = 0.39
 COARSER: Final = (1.6, 2.5, 5.0)
 """Steps beside the one that is used, in its units, at which the report tells rate and error."""
 PASSES: Final = 8
-NEAR: Final = 0.985
+NEAR: Final = 0.993
 """Share of the allowed squared error that is used up at least before the search for the step ends."""
 
 
@@ -71,6 +71,7 @@ def encode_group(task: GroupTask) -> EncodedGroup:
         task.on_progress(0.2 + 0.2 * (number + 1) / len(ways))
     best: Encoded | None = None
     low, high = 0.0, math.inf
+    slope, tried = 1.8, (0.0, 0.0)
     for number in range(PASSES):
         task.check_cancelled()
         made = encode_at(clusters, graph, step, offset=offset, sources=sources)
@@ -83,7 +84,12 @@ def encode_group(task: GroupTask) -> EncodedGroup:
                 break
         else:
             high = min(high, step)
-        guess = step * (0.993 / max(ratio, 1e-9)) ** 0.55
+        # the error grows with a power of the step, about; two trials tell which
+        here = (math.log(step), math.log(max(ratio, 1e-9)))
+        if number and here[0] != tried[0]:
+            slope = min(max((here[1] - tried[1]) / (here[0] - tried[0]), 0.7), 2.5)
+        tried = here
+        guess = step * ((0.5 + 0.5 * NEAR) / max(ratio, 1e-9)) ** (1.0 / slope)
         step = guess if low < guess < high else math.sqrt(max(low, guess / 4) * min(high, guess * 4))
         task.on_progress(0.4 + 0.6 * (number + 1) / PASSES)
     if best is None:
