@@ -80,6 +80,12 @@ const batchRoute = createRoute({
   component: lazyRouteComponent(() => import("@/features/batches/BatchPage"), "BatchPage"),
 });
 
+const motionRoute = createRoute({
+  getParentRoute: () => root,
+  path: "/motion",
+  component: lazyRouteComponent(() => import("@/features/motion/MotionPage"), "MotionPage"),
+});
+
 const settingsRoute = createRoute({
   getParentRoute: () => root,
   path: "/settings",
@@ -95,6 +101,7 @@ export const router = createRouter({
     batchesRoute,
     newBatchRoute,
     batchRoute,
+    motionRoute,
     settingsRoute,
   ]),
   defaultPreload: "intent",

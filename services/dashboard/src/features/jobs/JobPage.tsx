@@ -11,6 +11,7 @@ import { LinkAnchor, LinkButton } from "@/app/links";
 import { Empty, Failure, Waiting } from "@/app/Notice";
 import { Page } from "@/app/Page";
 import { useNow } from "@/app/useNow";
+import { isMotionResult } from "@/features/motion/result";
 import { isSegmentationResult } from "@/features/segmentation/params";
 import { AsCode } from "@/features/snippets/AsCode";
 import { resultSnippets } from "@/features/snippets/snippets";
@@ -23,6 +24,7 @@ import { StagePath } from "./StagePath";
 import { StageTimes } from "./StageTimes";
 import { StateBadge } from "./StateBadge";
 
+const MotionView = lazy(() => import("@/features/motion/MotionView"));
 const SegmentationView = lazy(() => import("@/features/segmentation/SegmentationView"));
 
 const route = getRouteApi("/jobs/$jobId");
@@ -92,7 +94,7 @@ function LoadedJob({ job }: { job: Job }) {
       actions={
         <Group gap="sm">
           <JobActions job={job} name={name} />
-          {isTerminal(job.state) && (
+          {isTerminal(job.state) && job.kind === "segmentation" && (
             <LinkButton to="/upload" search={again(job)} variant="default" size="sm">
               Segment again
             </LinkButton>
@@ -186,6 +188,23 @@ function Body({ job, assets }: { job: Job; assets: ReadonlyMap<string, Asset> })
         </Suspense>
       );
     }
+  }
+  if (job.state === "succeeded" && isMotionResult(job.result)) {
+    return (
+      <Suspense fallback={<Waiting label="Loading the player…" />}>
+        <MotionView
+          job={job}
+          result={job.result}
+          facts={
+            <>
+              <StageTimes stages={job.result.stages} />
+              <JobFacts job={job} assets={assets} />
+              <AsCode title="Fetch this as code" of={(target) => resultSnippets(job, target)} />
+            </>
+          }
+        />
+      </Suspense>
+    );
   }
   return (
     <Aside job={job} assets={assets}>

@@ -1,6 +1,7 @@
 import type { Asset, Job } from "@/api/types";
 import { isSegmentationResult } from "@/features/segmentation/params";
-import { volume } from "@/format/format";
+import { isMotionResult } from "@/features/motion/result";
+import { bytes, integer, significant, volume } from "@/format/format";
 
 /** The input that a job is known by: the first file of its main input. */
 export function mainInput(job: Pick<Job, "inputs">): string | null {
@@ -21,6 +22,10 @@ export function outcome(job: Job): string {
     if (objects.length === 0) return "Nothing found";
     const core = objects.reduce((sum, object) => sum + object.core_volume_mm3, 0);
     return `${objects.length === 1 ? "1 object" : `${objects.length} objects`}, ${volume(core)}`;
+  }
+  if (isMotionResult(job.result)) {
+    const { bytes: size, frames, errors } = job.result;
+    return `${bytes(size)} for ${integer(frames)} frames, KG error ${significant(errors.kg_percent, 2)} %`;
   }
   return "";
 }

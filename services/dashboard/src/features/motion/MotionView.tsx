@@ -1,0 +1,118 @@
+import { Alert, Paper, Stack, Title } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { TriangleAlert } from "lucide-react";
+import { lazy, type ReactNode, Suspense, useState } from "react";
+import { apiFetch } from "@/api/client";
+import type { components } from "@/api/schema";
+import type { Job } from "@/api/types";
+import { Waiting } from "@/app/Notice";
+import { Downloads } from "@/features/segmentation/Downloads";
+import { bytes, integer, significant } from "@/format/format";
+import { NoWebGL } from "@/viewers/ViewerFrame";
+import { hasWebGL } from "@/viewers/webgl";
+import { Chart } from "./Chart";
+import classes from "./motion.module.css";
+import type { MotionResult } from "./result";
+
+type Report = Pick<components["schemas"]["MotionEncodeResult"], "file"> & {
+  frame_rmse: number[];
+  rate_distortion: { kg_percent: number; motion_bits_per_vertex_frame: number }[];
+};
+
+const MotionViewer = lazy(async () => ({
+  default: (await import("@/viewers/motion/MotionViewer")).MotionViewer,
+}));
+
+/** A compressed motion: played from the file itself, with how far it is from its original. */
+export default function MotionView({ job, result, facts }: { job: Job; result: MotionResult; facts: ReactNode }) {
+  const [frame, setFrame] = useState(0);
+  const artifact = (name: string) => job.artifacts.find((one) => one.name === name);
+  const file = artifact(result.file);
+  const reportUrl = artifact("report.json")?.url;
+  const report = useQuery({
+    queryKey: ["artifact", reportUrl],
+    enabled: reportUrl !== undefined,
+    staleTime: Number.POSITIVE_INFINITY,
+    queryFn: async ({ signal }) => (await (await apiFetch(reportUrl ?? "", { signal })).json()) as Report,
+  });
+  return (
+    <Stack gap="md">
+      {result.warnings.map((warning) => (
+        <Alert key={warning} color="yellow" variant="light" icon={<TriangleAlert size={18} />}>
+          {warning}
+        </Alert>
+      ))}
+      {!hasWebGL() ? (
+        <NoWebGL />
+      ) : (
+        file && (
+          <div className={classes.viewer}>
+            <Suspense fallback={<Waiting label="Loading the player…" />}>
+              <MotionViewer url={file.url} size={file.size} onFrame={setFrame} />
+            </Suspense>
+          </div>
+        )
+      )}
+      <div className={classes.columns}>
+        <Stack gap="md">
+          {report.data && (
+            <Paper p="md" component="section" aria-label="Error and rate">
+              <div className={classes.charts}>
+                <Chart
+                  title="Error by frame"
+                  points={report.data.frame_rmse.map((y, x) => ({ x, y }))}
+                  xLabel="frame"
+                  yLabel="RMS error"
+                  format={(value) => significant(value, 2)}
+                  formatX={(value) => integer(value + 1)}
+                  at={frame}
+                />
+                <Chart
+                  title="Rate and distortion"
+                  points={report.data.rate_distortion
+                    .map((point) => ({ x: point.kg_percent, y: point.motion_bits_per_vertex_frame }))
+                    .sort((one, two) => one.x - two.x)}
+                  xLabel="KG error, %"
+                  yLabel="bits per vertex and frame"
+                  format={(value) => significant(value, 3)}
+                  dots
+                />
+              </div>
+            </Paper>
+          )}
+          <Downloads artifacts={job.artifacts} />
+        </Stack>
+        <Stack gap="md">
+          <Figures result={result} />
+          {facts}
+        </Stack>
+      </div>
+    </Stack>
+  );
+}
+
+function Figures({ result }: { result: MotionResult }) {
+  const raw = result.vertices * result.frames * 12 + result.faces * 12;
+  const rows: [string, string][] = [
+    ["File", bytes(result.bytes)],
+    ["Smaller than single precision", `${significant(raw / result.bytes, 3)} times`],
+    ["Frames", integer(result.frames)],
+    ["Vertices, faces", `${integer(result.vertices)}, ${integer(result.faces)}`],
+    ["Clusters", integer(result.clusters)],
+    ["Bits per vertex and frame", significant(result.motion_bits_per_vertex_frame, 3)],
+    ["Connectivity, bits per vertex", significant(result.connectivity_bits_per_vertex, 3)],
+    ["KG error", `${significant(result.errors.kg_percent, 3)} %`],
+    ["RMS error, edges", significant(result.errors.rmse_edges, 3)],
+    ["Largest error, of the diagonal", `${significant(100 * result.errors.largest_fraction, 3)} %`],
+  ];
+  return (
+    <Paper p="md" component="section" aria-labelledby="figures">
+      <Title order={3} mb="xs" id="figures">
+        The file
+      </Title>
+      <dl className={classes.facts}>
+        {rows.map(([name, value]) => [<dt key={`${name} name`}>{name}</dt>, <dd key={name}>{value}</dd>])}
+      </dl>
+    </Paper>
+  );
+}
