@@ -14,7 +14,13 @@ from tests.e2e.dashboard.conftest import OpenPage, Probe
 pytestmark = [pytest.mark.server, pytest.mark.browser]
 
 AXE = ROOT / "services" / "dashboard" / "node_modules" / "axe-core" / "axe.min.js"
-OTHER_PAGES = {"/": "Recent work", "/batches": "New batch", "/batches/new": "New batch", "/settings": "Make a key"}
+OTHER_PAGES = {
+    "/": "Recent work",
+    "/batches": "New batch",
+    "/batches/new": "New batch",
+    "/settings": "Make a key",
+    "/motion": "Compress a motion",
+}
 """Pages that need nothing done first, and a text that is there when they are."""
 SIZES = [(1280, 720), (820, 1180)]
 
