@@ -40,8 +40,10 @@ PREFACE = """\
 E(A) each frame's centroid), and all bytes are real: ours and the dissertation's are motion files, container included;
 the PCA peers are coded by one adaptive range coder, with the parallelogram inside clusters, bases predicted in time,
 fields fitted anew to the rounded bases, and the step bisected to the error. That makes them stronger than the published
-methods they stand for. `lzma` stands for zstd, which is not among the locked packages. Times are CPU seconds on one
-core of a busy machine: compare them with each other only.
+methods they stand for, but for the clustered PCA that is marked as published, which has none of this. `lzma` stands for
+zstd, which is not among the locked packages. Where the dissertation's profile takes as much as quantising with delta
+and parallelogram, it stored all frames by themselves, because no prediction reached the error for less. Times are CPU
+seconds on one core of a busy machine: compare them with each other only.
 
 ![KG error over bits](motion-rate.png)
 """.splitlines()
@@ -53,7 +55,7 @@ every face its own cluster the frames come back to 1e-9. What is lost is lost in
 err alike over whole limbs, and the Poisson system adds these errors up from face to face into a drift of low frequency,
 which Eq. 5.12 counts in full. (Anchors spread over the mesh, which the profile uses and the text has not, take most of
 it away.) An error of 1e-5 of an edge is of the size of single precision's spacing in these files. The text's 0.01 for a
-face is of the order of what is found here. Its rate for bodies follows from Eq. 5.11
+face is approached where each frame is predicted from the one before it. Its rate for bodies follows from Eq. 5.11
 ({dissertation_bits(256, 20000, 10002):.2f} bits), its 20.29 bits for the face does not
 ({dissertation_bits(64, 3000, 1500):.2f}).
 """.splitlines()
