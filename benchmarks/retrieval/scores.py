@@ -29,6 +29,18 @@ def by_parts(features: Sequence[Features], blocks: Blocks = BLOCKS, levels: Sequ
     return -(total + total.T)
 
 
+def on_local_scales(scores: Array) -> Array:
+    """Turn negative distances into affinities as the whole score does, each row's shape left out of all scales."""
+    n = len(scores)
+    result = np.eye(n)
+    for i in range(n):
+        others = np.flatnonzero(np.arange(n) != i)
+        square = np.where(np.eye(n - 1, dtype=bool), np.inf, -scores[np.ix_(others, others)])
+        scales = np.array([local_scale(row) for row in square])
+        result[i, others] = affinity(-scores[i, others], local_scale(-scores[i, others]), scales)
+    return result
+
+
 def by_whole(features: Sequence[Features], group: str) -> Array:
     """Compare one group of the root's descriptors alone."""
     graphs = pack([item.arg for item in features])
@@ -51,6 +63,7 @@ def nearness(vectors: Array, order: int = 2) -> Array:
 def all_methods(features: Sequence[Features]) -> dict[str, Array]:
     """Return every method's matrix; the last two are what ``shapery matrix`` gives, without and with re-ranking."""
     heat = np.stack([item.arg.whole["quantiles"][: 16 * 9] for item in features]).astype(np.float64)
+    parts = by_parts(features)
     found = {
         "D2": nearness(np.stack([item.d2 for item in features]), 1),
         "ShapeDNA, 30 log eigenvalues": nearness(np.log(np.stack([item.eigenvalues[1:31] for item in features]))),
@@ -59,7 +72,8 @@ def all_methods(features: Sequence[Features]) -> dict[str, Array]:
         "FV2, one level of 16 parts": by_parts(features, ((1.0, FV2),), (1,)),
         "FV1, hierarchy": by_parts(features, ((1.0, FV1),)),
         "FV2, hierarchy": by_parts(features, ((1.0, FV2),)),
-        "ARG alone (parts and relations)": by_parts(features),
+        "ARG alone (parts and relations)": parts,
+        "ARG alone, on local scales": on_local_scales(parts),
         "depth views alone": by_whole(features, "views"),
         "intrinsic descriptors alone": by_whole(features, "intrinsic"),
     }
