@@ -22,10 +22,10 @@ ROUNDS = 5
 REACH, SAMPLES = 1.0, 4
 """Voxels before and behind the wall over which it is balanced, and points on each side."""
 
-SPREADS = 6
+SPREADS = 9
 """Averages over neighbours that an offset goes through: what differs from vertex to vertex is noise."""
 
-FAIRING, SLIDING = 0.4, 0.3
+FAIRING, SLIDING = 0.7, 0.3
 """Share of the way to the neighbours' mean, along the normal less its own average over the neighbours, and across."""
 
 BEND_SPREADS = 6
