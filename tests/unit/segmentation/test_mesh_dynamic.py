@@ -415,3 +415,20 @@ def test_the_checker_finds_what_is_broken() -> None:
     mesh = ready(icosphere(radius=5.0, subdivisions=2))
     mesh.arrays.links[3, 11] = 1
     assert defects(mesh) == ["a face is still marked as about to be replaced"]
+
+
+@pytest.mark.parametrize("name", SURFACES)
+def test_faces_cut_into_four_leave_the_surface_as_it_is(name: str) -> None:
+    surface = SURFACES[name]()
+    mesh = DynamicMesh(surface, 1.0)
+    mesh.arrays.points[mesh.live[:5], SCALE] = 0.5
+    assert mesh.subdivide()
+    assert defects(mesh) == []
+    out = mesh.to_triangle_mesh()
+    assert len(out.faces) == 4 * len(surface.faces)
+    assert out.genus == surface.genus
+    assert out.volume == pytest.approx(surface.volume, rel=1e-6)
+    assert out.area == pytest.approx(surface.area, rel=1e-6)
+    assert out.edge_lengths.mean() == pytest.approx(0.5 * surface.edge_lengths.mean(), rel=0.05)
+    # New vertices take the finer target of their ends.
+    assert (mesh.arrays.points[mesh.live, SCALE] == 0.5).sum() > 5

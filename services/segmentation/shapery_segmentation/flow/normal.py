@@ -68,6 +68,12 @@ SEED_ROUNDS = 12
 STAGE_ROUNDS = 4
 """The same from one stage to the next."""
 
+SUBDIVIDED = 1.7
+"""Ratio of the edge lengths of two stages from which every face is cut into four, instead of edge by edge."""
+
+STEADY_SHARE = 0.1
+"""Moves per vertex since the threshold was last worked out, below which it is still the same."""
+
 STILL = 0.05
 """Change of the threshold, in units of the field, that leaves vertices asleep."""
 
@@ -78,6 +84,9 @@ NOTHING_LEFT = 2.0
 LARGEST_REFINEMENTS, LARGEST_RETREATS = 8, 50
 """Rounds per stage in which frozen vertices get finer triangles, and in which they collapse: the triangles that one
 makes the other may take away, for ever. A retreat takes about half an edge length off a thin piece."""
+
+LARGEST_FRUITLESS = 4
+"""Retreats in a row that take no vertex away, after which they do not keep the surface from resting."""
 
 RECONNECT_INTERVAL, LARGEST_RECONNECTIONS = 12, 8
 """Iterations between two changes of topology, and how many one stage may see: what is merged must have time to grow."""
@@ -190,6 +199,7 @@ class _Evolution:
                 "Turn its faces over.",
             )
         self.parts = seed.component_count
+        self._moves = 0
         self.iteration = 0
         self.reconnections = self.interpolations = 0
         self.oscillating = self._most_oscillating = self._oscillations = 0
@@ -215,8 +225,10 @@ class _Evolution:
                 self._interpolate(p.interpolation_share, length)
             if done % p.remesh_interval == 0:
                 self._remesh(length)
-            if done % p.threshold_interval == 0:
+            self._moves += awake
+            if done % p.threshold_interval == 0 and self._moves > STEADY_SHARE * self.mesh.vertex_count:
                 self._update_threshold()
+                self._moves = 0
             if on_iteration is not None:
                 state = self.mesh.vertex_count, awake, self.oscillating, self.threshold
                 on_iteration(FlowState(stage, self.iteration, *state, self.mesh.to_triangle_mesh))
@@ -267,14 +279,16 @@ class _Evolution:
             scale = mesh.arrays.points[:, SCALE]
             np.minimum(scale * (lengths[stage - 1] / lengths[stage]), 1.0, out=scale)
         mesh.edge_length = lengths[stage]
-        self._take_up(STAGE_ROUNDS if stage else SEED_ROUNDS)
-        self._refinements = self._retreats = self._changes = self._tries = 0
+        halved = stage > 0 and lengths[stage - 1] >= SUBDIVIDED * lengths[stage] and mesh.subdivide()
+        self._take_up(0 if halved else STAGE_ROUNDS if stage else SEED_ROUNDS)
+        self._refinements = self._retreats = self._fruitless = self._changes = self._tries = 0
 
     def _take_up(self, rounds: int) -> None:
         """Bring the mesh, which is new or has a new edge length, to that length; every vertex begins anew."""
         mesh = self.mesh
-        mesh.remesh(rounds=rounds)
-        mesh.compact()
+        if rounds:
+            mesh.remesh(rounds=rounds)
+            mesh.compact()
         n = mesh.vertex_slots
         self._state = np.zeros((n, kernels.STATE_COLUMNS))
         self._state[:, kernels.GAIN] = 1.0
@@ -324,12 +338,15 @@ class _Evolution:
         )
         self._refinements += refined > 0
         self._retreats += collapsing > 0
-        self._stirred = refined + collapsing > 0
+        before = mesh.vertex_count
         adaptive = self.params.topology == "adaptive" and self._changes < LARGEST_RECONNECTIONS
         self._pinched = adaptive and (self._pinched or pinched > 0)
         if refined:
             np.maximum(active, self._counter[:, kernels.MODE] == kernels.AWAKE, out=active)
         mesh.remesh(active, unwanted=self._collapse if collapsing else None)
+        # What gets finer triangles is awake, and counted; what retreats may not be.
+        self._fruitless = 0 if mesh.vertex_count < before else self._fruitless + (collapsing > 0)
+        self._stirred = collapsing > 0 and self._fruitless < LARGEST_FRUITLESS
         self._make_room()
         kernels.adopt_touched(mesh.arrays, self._state, self._counter)
         self._stale = True

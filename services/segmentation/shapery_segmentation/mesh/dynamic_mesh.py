@@ -23,8 +23,10 @@ from shapery_segmentation.mesh.arrays import (
     MASK,
     ORIGIN,
     OUT,
+    SCALE,
     SHIFT,
     TOUCHED,
+    TWIN,
     UNTOUCHED,
     VERTEX_COUNT,
     VERTEX_TOP,
@@ -170,6 +172,35 @@ class DynamicMesh:
         live, faces = self.live_faces()
         self._take(self.arrays.points[live], faces)
         self.arrays.bound[CLEARANCE] = clearance
+
+    def subdivide(self) -> bool:
+        """Cut every face into four at the middles of its edges, which halves the edges and leaves the surface as it is.
+
+        Returns
+        -------
+        bool
+            Whether that was done; not where rounding brings faces too near to each other.
+        """
+        before, clearance = self.arrays, self.arrays.bound[CLEARANCE]
+        live, faces = self.live_faces()
+        used = np.flatnonzero(before.half_edges[: 3 * before.layout[FACE_TOP] : 3, ORIGIN] >= 0)
+        half_edges = (3 * used[:, None] + np.arange(3)).ravel()
+        _, edge = np.unique(np.minimum(half_edges, before.half_edges[half_edges, TWIN]), return_inverse=True)
+        edge = edge.reshape(-1, 3).astype(np.int32)
+        points = before.points[live]
+        middles = np.empty((int(edge.max()) + 1, 4))
+        starts, ends = points[faces], points[np.roll(faces, -1, axis=1)]
+        middles[edge, :3] = (0.5 * (starts + ends))[..., :3].astype(np.float32)
+        middles[edge, SCALE] = np.minimum(starts[..., SCALE], ends[..., SCALE])
+        (a, b, c), (ab, bc, ca) = faces.T, (edge + len(points)).T.astype(np.int32)
+        quarters = np.concatenate([np.stack(t, axis=1) for t in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])
+        self._take(np.concatenate((points, middles)), quarters)
+        self.arrays.bound[CLEARANCE] = clearance
+        if self.contacts():
+            self.arrays = before
+            self.size_grid()
+            return False
+        return True
 
     @property
     def vertex_count(self) -> int:
