@@ -157,7 +157,7 @@ def document(results: dict[str, Any]) -> str:
             "Every peer runs from the same seeds with a grid of settings; shown is the setting that is best on these",
             "very cases, which favours it, and beside it what is left when each case's setting is chosen on the",
             "others. CPU seconds are of the method alone, mean over cases; ours is that of the flow. Peers work in the",
-            "box of our flow, with 16 voxels around it on the plain difference, which spares them time and farther leaks.",
+            "box of our flow, with 16 voxels around it on the plain difference: this spares them time and leaks.",
             *tables.peers_table(by_name, results["peers"], names, clear),
             "",
             *tables.ratio_lines(by_name, results["peers"], names),
