@@ -16,7 +16,7 @@ from shapery_platform import keys
 from shapery_platform.db import utc_now
 from tests.conftest import ROOT
 from tests.integration.gateway.conftest import Make, Platform, Serve, submit, upload
-from tests.support.gateway import OFFSET_STREAM, TUS, nifti
+from tests.support.gateway import OFFSET_STREAM, TUS, nifti, triangle
 
 pytestmark = pytest.mark.server
 
@@ -43,6 +43,16 @@ NEEDS = {
         "getBatch",
         "streamBatchEvents",
         "streamBatchResults",
+        "listCollections",
+        "getCollection",
+        "listShapes",
+        "getShape",
+        "getShapeGraph",
+        "getShapeMesh",
+        "getShapePreview",
+        "getShapeComponents",
+        "search",
+        "getSearch",
     },
     Scope.WRITE: {
         "createUpload",
@@ -57,6 +67,13 @@ NEEDS = {
         "createBatch",
         "cancelBatch",
         "retryBatch",
+        "createCollection",
+        "updateCollection",
+        "deleteCollection",
+        "reindexCollection",
+        "updateShape",
+        "deleteShape",
+        "reindexShape",
     },
     Scope.ADMIN: {"listKeys", "createKey", "deleteKey"},
 }
@@ -106,14 +123,21 @@ def make_things(platform: Platform, client: httpx.Client) -> Things:
     ).json()
     location = client.post("/v1/uploads", headers={**TUS, "Upload-Length": "10"}).headers["location"]
     key = client.post("/v1/keys", json={"name": "other"}).json()
+    mesh = upload(client, triangle(1), "femur.obj")
+    indexing = client.post("/v1/jobs", json={"kind": "shape-index", "inputs": {"mesh": mesh["id"]}}).json()
+    platform.index(indexing["id"], 1)
+    (shape,) = client.get("/v1/shapes").json()["items"]
     return Things(
         {
             "asset_id": asset["id"],
+            "mesh_id": mesh["id"],
             "job_id": job["id"],
             "batch_id": batch["id"],
             "upload_id": location.rsplit("/", 1)[1],
             "key_id": key["id"],
             "name": "report.json",
+            "shape_id": shape["id"],
+            "collection_id": shape["collection_id"],
         }
     )
 
@@ -123,7 +147,8 @@ def send(client: httpx.Client, operation: str, things: Things) -> httpx.Response
     headers = {**TUS}
     if operation in {"appendToUpload"}:
         headers |= {"Upload-Offset": "0", "Content-Type": OFFSET_STREAM}
-    return client.request(method, things.path(template), headers=headers)
+    body = {} if operation in {"updateShape", "updateCollection"} else None
+    return client.request(method, things.path(template), headers=headers, json=body)
 
 
 def test_the_table_above_is_complete() -> None:
@@ -202,7 +227,7 @@ def test_others_do_not_even_exist(keyed: Platform, ann: httpx.Client, bob: httpx
         assert response.status_code == 404, (operation, response.text)
         if method != "HEAD":
             assert response.json()["code"] == "not_found"
-    for path in ("/v1/assets", "/v1/jobs", "/v1/batches"):
+    for path in ("/v1/assets", "/v1/jobs", "/v1/batches", "/v1/shapes", "/v1/collections"):
         assert bob.get(path).json()["items"] == []
         assert ann.get(path).json()["items"] != []
     assert [key["name"] for key in bob.get("/v1/keys").json()["items"]] == ["test"]
@@ -210,6 +235,8 @@ def test_others_do_not_even_exist(keyed: Platform, ann: httpx.Client, bob: httpx
     for request in (
         bob.post("/v1/jobs", json={"kind": "segmentation", "inputs": {"post": asset}}),
         bob.post("/v1/batches", json={"kind": "segmentation", "items": [{"inputs": {"post": asset}}]}),
+        bob.post("/v1/search", json={"shape_id": things.ids["shape_id"]}),
+        bob.post("/v1/search", json={"asset_id": things.ids["mesh_id"]}),
     ):
         assert request.status_code == 404
     # and nothing of Ann's was harmed by the attempts
