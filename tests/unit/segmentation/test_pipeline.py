@@ -106,6 +106,7 @@ def test_the_order_of_the_axes_changes_nothing(
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(900)  # 48 segmentations
 def test_all_48_orders_of_the_axes_change_nothing(head: HeadPhantom, result: Segmentation) -> None:
     for axes, flips in ALL:
         check_orientation(head, result, axes, flips)

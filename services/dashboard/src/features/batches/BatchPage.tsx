@@ -2,7 +2,7 @@ import { Breadcrumbs, Button, Group, Paper, SegmentedControl, Stack, Text, Title
 import { keepPreviousData, useQuery } from "@tanstack/react-query";
 import { getRouteApi } from "@tanstack/react-router";
 import { Download, RotateCcw, SearchX, X } from "lucide-react";
-import { useState } from "react";
+import { useEffect, useState } from "react";
 import { batchQuery, useBatchAction } from "@/api/batches";
 import { ApiError } from "@/api/problem";
 import { jobsQuery, useAssetNames } from "@/api/queries";
@@ -125,6 +125,11 @@ function BatchJobs({ batch }: { batch: Batch }) {
     placeholderData: keepPreviousData,
     refetchInterval: batch.finished ? false : 2_000,
   });
+  // The last job ends between two looks at the list: look once more.
+  const { refetch } = jobs;
+  useEffect(() => {
+    void refetch({ cancelRefetch: false });
+  }, [batch.finished, refetch]);
   const items = jobs.data?.items ?? [];
   const assets = useAssetNames(items.flatMap((job) => mainInput(job) ?? []));
   const next = jobs.data?.next_cursor;
