@@ -80,7 +80,11 @@ class ShapeIndexHandler:
 
 
 class ShapeSearchHandler:
-    """Input ``mesh``, or a stored shape named in the parameters; the bank comes with the context."""
+    """Input ``mesh``, or a stored shape named in the parameters; the bank comes with the context.
+
+    Artifacts: ``results.json``; of a mesh also ``mesh.glb`` and ``components.json``, as `ShapeIndexHandler` leaves
+    them, so that a viewer can show what was matched with what.
+    """
 
     kind: ClassVar[str] = "shape-search"
 
@@ -118,6 +122,7 @@ class ShapeSearchHandler:
         from shapery_geometry.mesh_io import read_mesh
         from shapery_retrieval.arg import Arg
         from shapery_retrieval.describe import describe
+        from shapery_retrieval.report import write_views
         from shapery_retrieval.search import region_of
 
         if params.shape_id is not None and not (params.region is not None and "mesh" in inputs):
@@ -132,6 +137,7 @@ class ShapeSearchHandler:
             context.check_cancelled()
             context.stage("index", 0.05)
             found = describe(mesh)
+            write_views(mesh, found, context.output)
             query = found.arg
             if params.region is not None:
                 query = region_of(query, found.region_shares(mesh, params.region))

@@ -51,14 +51,7 @@ def write_outputs(mesh: TriangleMesh, found: Description, folder: Path, preview_
     """
     data = found.arg.to_bytes()
     (folder / "shape.arg").write_bytes(data)
-    shown = web_mesh(mesh)
-    write_scene_glb([("shape", shown, _COLOUR)], folder / "mesh.glb")
-    labels = [found.labels_on(shown, level).tolist() for level in range(len(found.arg.levels))]
-    components = {
-        "vertices": len(shown.vertices),
-        "levels": [{"level": k, "labels": row} for k, row in enumerate(labels)],
-    }
-    (folder / "components.json").write_text(json.dumps(components, separators=(",", ":")))
+    shown = write_views(mesh, found, folder)
     (folder / "preview.png").write_bytes(png_bytes(preview(shown, preview_size)))
     state = mesh_report(cleaned(mesh).mesh)
     result = ShapeIndexResult(
@@ -80,6 +73,19 @@ def write_outputs(mesh: TriangleMesh, found: Description, folder: Path, preview_
     )
     write_report(result, folder)
     return result
+
+
+def write_views(mesh: TriangleMesh, found: Description, folder: Path) -> TriangleMesh:
+    """Write ``mesh.glb`` and ``components.json``, the part of each of its vertices by level; return what is shown."""
+    shown = web_mesh(mesh)
+    write_scene_glb([("shape", shown, _COLOUR)], folder / "mesh.glb")
+    labels = [found.labels_on(shown, level).tolist() for level in range(len(found.arg.levels))]
+    components = {
+        "vertices": len(shown.vertices),
+        "levels": [{"level": k, "labels": row} for k, row in enumerate(labels)],
+    }
+    (folder / "components.json").write_text(json.dumps(components, separators=(",", ":")))
+    return shown
 
 
 def write_report(result: ShapeIndexResult, folder: Path) -> None:

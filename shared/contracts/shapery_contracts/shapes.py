@@ -96,6 +96,14 @@ class ShapeDetail(ShapeView):
     warnings: list[str]
 
 
+class LabelCount(BaseModel):
+    """A label, and how many shapes carry it."""
+
+    name: str
+    value: str
+    shapes: int
+
+
 class ShapeUpdate(BaseModel):
     """What shall change of a shape; what is left out stays."""
 

@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 
 from shapery_contracts.errors import InvalidInput
 from shapery_contracts.retrieval import INDEX_VERSION
-from shapery_contracts.shapes import ShapeDetail, ShapeUpdate, ShapeView
+from shapery_contracts.shapes import LabelCount, ShapeDetail, ShapeUpdate, ShapeView
 from shapery_platform import collections
 from shapery_platform.db import utc_now
 from shapery_platform.db.models import Shape, ShapeFile
@@ -45,6 +45,7 @@ def list_shapes(
     labels: Mapping[str, str] | None = None,
     name: str | None = None,
     outdated: bool = False,
+    job_id: UUID | None = None,
 ) -> tuple[list[Shape], str | None]:
     """Return a page of shapes, the newest first, and the cursor of the next one.
 
@@ -54,6 +55,8 @@ def list_shapes(
         Only shapes of the collection of this name, with all of these labels, with this text in their name.
     outdated
         Only shapes of other index versions than the one that searches read.
+    job_id
+        Only the shape that this job has indexed last.
 
     Raises
     ------
@@ -70,8 +73,22 @@ def list_shapes(
         labels=labels or {},
         name=name,
         outdated_at=INDEX_VERSION if outdated else None,
+        job_id=job_id,
     )
     return cut_page(rows, limit, lambda shape: shape.id)
+
+
+def labels(session: Session, owner: str, limit: int, *, collection: str | None = None) -> list[LabelCount]:
+    """Return the labels of an owner's shapes, or of those of a collection, the most frequent first, ties by name.
+
+    Raises
+    ------
+    InvalidInput
+        ``not_found`` where there is no such collection.
+    """
+    collection_id = None if collection is None else collections.named(session, owner, collection)
+    rows = repository.label_counts(session, owner, checked_limit(limit), collection_id=collection_id)
+    return [LabelCount(name=row.name, value=row.value, shapes=row.shapes) for row in rows]
 
 
 def outdated(session: Session, owner: str, collection_id: UUID, limit: int) -> list[tuple[UUID, UUID]]:

@@ -47,10 +47,8 @@ NEEDS = {
         "getCollection",
         "listShapes",
         "getShape",
-        "getShapeGraph",
-        "getShapeMesh",
-        "getShapePreview",
-        "getShapeComponents",
+        "listShapeLabels",
+        "getShapeFile",
         "search",
         "getSearch",
     },
@@ -137,6 +135,7 @@ def make_things(platform: Platform, client: httpx.Client) -> Things:
             "key_id": key["id"],
             "name": "report.json",
             "shape_id": shape["id"],
+            "file": "arg",
             "collection_id": shape["collection_id"],
         }
     )

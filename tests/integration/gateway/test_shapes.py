@@ -55,6 +55,7 @@ def test_a_shape_and_its_files(platform: Platform, http: httpx.Client) -> None:
         assert http.head(shape[url]).status_code == 200
         assert http.get(shape[url], headers={"If-None-Match": response.headers["etag"]}).status_code == 304
     assert http.get(shape["components_url"]).headers["content-type"] == "application/json"
+    assert http.get(f"/v1/shapes/{shape['id']}/report.json").status_code == 422
 
 
 def test_shapes_are_listed_changed_and_deleted(platform: Platform, http: httpx.Client) -> None:
@@ -73,6 +74,7 @@ def test_shapes_are_listed_changed_and_deleted(platform: Platform, http: httpx.C
     assert ids(label=["sex:f", "side:left"]) == [one["id"]]
     assert ids(name="skull:") == [two["id"]]
     assert ids(outdated="true") == [old["id"]]
+    assert ids(job_id=two["job_id"]) == [two["id"]]
     first = http.get("/v1/shapes", params={"limit": 2}).json()
     assert ids(cursor=first["next_cursor"]) == [one["id"]]
     assert http.get("/v1/shapes", params={"label": "sex"}).json()["code"] == "validation_failed"
@@ -86,6 +88,23 @@ def test_shapes_are_listed_changed_and_deleted(platform: Platform, http: httpx.C
     assert http.delete(address).status_code == 204
     assert http.delete(address).status_code == 404
     assert http.get(f"{address}/arg").status_code == 404
+
+
+def test_labels_are_counted(platform: Platform, http: httpx.Client) -> None:
+    for seed, (collection, labels) in enumerate(
+        [("bones", {"sex": "f"}), ("bones", {"sex": "m"}), ("skulls", {"sex": "f", "a": "b"})]
+    ):
+        index(platform, http, seed, collection=collection, labels=labels)
+    found = http.get("/v1/shapes/labels").json()
+    assert found == [
+        {"name": "sex", "value": "f", "shapes": 2},
+        {"name": "a", "value": "b", "shapes": 1},
+        {"name": "sex", "value": "m", "shapes": 1},
+    ]
+    assert http.get("/v1/shapes/labels", params={"limit": 1}).json() == found[:1]
+    narrowed = http.get("/v1/shapes/labels", params={"collection": "bones"}).json()
+    assert [(label["value"], label["shapes"]) for label in narrowed] == [("f", 1), ("m", 1)]
+    assert http.get("/v1/shapes/labels", params={"collection": "none"}).status_code == 404
 
 
 def test_collections(platform: Platform, http: httpx.Client) -> None:
@@ -146,7 +165,7 @@ def test_a_batch_of_many(local_platform: Platform, local: httpx.Client) -> None:
 def test_nothing_of_somebody_else_exists(local_settings: Make, serve: Serve) -> None:
     platform = serve(local_settings(auth="keys", rate_limit_per_minute=0))
     with platform.client(platform.key("ann")) as ann, platform.client(platform.key("bob")) as bob:
-        shape = index(platform, ann, collection="bones")
+        shape = index(platform, ann, collection="bones", labels={"side": "left"})
         addresses = [
             f"/v1/shapes/{shape['id']}",
             *(shape[url] for url in ("arg_url", "mesh_url", "preview_url", "components_url")),
@@ -160,5 +179,6 @@ def test_nothing_of_somebody_else_exists(local_settings: Make, serve: Serve) -> 
             assert bob.delete(address).status_code == 404
             assert bob.post(f"{address}/reindex").status_code == 404
         assert bob.get("/v1/shapes").json()["items"] == []
+        assert bob.get("/v1/shapes/labels").json() == []
         assert bob.get("/v1/collections").json()["items"] == []
         assert ann.get(addresses[0]).json()["name"] == "femur"

@@ -164,6 +164,11 @@ def test_searching_by_mesh_by_region_and_by_name(tmp_path: Path, bank: LocalBank
     assert len(found.hits[0].level_scores) == 3
     stored = ShapeSearchResult.model_validate_json((context.output / "results.json").read_text())
     assert stored == found
+    # what is matched can be shown: the query's mesh with its parts
+    shown = read_mesh(context.output / "mesh.glb")
+    parts = json.loads((context.output / "components.json").read_text())
+    assert [len(level["labels"]) for level in parts["levels"]] == [len(shown.vertices)] * 3
+    assert all(match.query <= max(parts["levels"][hit.level]["labels"]) for hit in found.hits for match in hit.matches)
 
     (tmp_path / "part").mkdir()
     part = handler.run(ShapeSearchParams(region=list(range(900))), inputs, Context(tmp_path / "part", bank))
@@ -174,6 +179,7 @@ def test_searching_by_mesh_by_region_and_by_name(tmp_path: Path, bank: LocalBank
     (tmp_path / "name").mkdir()
     named = handler.run(ShapeSearchParams(shape_id="egg", parts=[0, 1, 2]), {}, Context(tmp_path / "name", bank))
     assert [hit.shape_id for hit in named.hits] == ["torus"]
+    assert [path.name for path in (tmp_path / "name" / "output").iterdir()] == ["results.json"]
 
 
 def test_searches_that_cannot_be_answered_say_why(tmp_path: Path, bank: LocalBank) -> None:

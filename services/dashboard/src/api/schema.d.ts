@@ -633,7 +633,7 @@ export interface paths {
         patch: operations["updateShape"];
         trace?: never;
     };
-    "/v1/shapes/{shape_id}/arg": {
+    "/v1/shapes/{shape_id}/{file}": {
         parameters: {
             query?: never;
             header?: never;
@@ -641,70 +641,16 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * A shape's attributed relational graph
-         * @description In the binary form that is described beside this interface's schema.
+         * A shape's graph, or what viewers show of it
+         * @description One of its files.
+         *
+         *     - `arg`: the attributed relational graph, in the binary form that is described beside this interface's schema.
+         *     - `mesh.glb`: binary glTF, small enough to be shown; the mesh as it was uploaded is the asset's content.
+         *     - `preview.png`: a picture for lists and results.
+         *     - `components`: JSON, for each level the part of every vertex of `mesh.glb`, so that matched parts can be colored
+         *       alike.
          */
-        get: operations["getShapeGraph"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/v1/shapes/{shape_id}/components": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /**
-         * A shape's parts, level by level
-         * @description JSON: for each level the part of every vertex of `mesh.glb`, so that matched parts can be colored alike.
-         */
-        get: operations["getShapeComponents"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/v1/shapes/{shape_id}/mesh.glb": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /**
-         * A shape's mesh for viewers
-         * @description Binary glTF, small enough to be shown; the mesh as it was uploaded is the asset's content.
-         */
-        get: operations["getShapeMesh"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/v1/shapes/{shape_id}/preview.png": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /**
-         * A shape's picture
-         * @description For lists and results.
-         */
-        get: operations["getShapePreview"];
+        get: operations["getShapeFile"];
         put?: never;
         post?: never;
         delete?: never;
@@ -727,6 +673,26 @@ export interface paths {
          * @description Queue a job that replaces it as a whole; until its end the old one is shown.
          */
         post: operations["reindexShape"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/shapes/labels": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Which labels your shapes carry
+         * @description Names and values with the number of shapes that carry them, the most frequent first.
+         */
+        get: operations["listShapeLabels"];
+        put?: never;
+        post?: never;
         delete?: never;
         options?: never;
         head?: never;
@@ -1362,6 +1328,18 @@ export interface components {
             prefix: string;
             /** Scopes */
             scopes: components["schemas"]["Scope"][];
+        };
+        /**
+         * LabelCount
+         * @description A label, and how many shapes carry it.
+         */
+        LabelCount: {
+            /** Name */
+            name: string;
+            /** Shapes */
+            shapes: number;
+            /** Value */
+            value: string;
         };
         /**
          * LevelSummary
@@ -8526,6 +8504,8 @@ export interface operations {
                 collection?: string | null;
                 /** @description `next_cursor` of the page before; leave it out for the first page. */
                 cursor?: string | null;
+                /** @description Only the shape that this job has indexed last. */
+                job_id?: string | null;
                 /** @description Only shapes with this label, as `name:value`; all, where several. */
                 label?: string[];
                 /** @description Items a page may have. */
@@ -9203,7 +9183,7 @@ export interface operations {
             };
         };
     };
-    getShapeGraph: {
+    getShapeFile: {
         parameters: {
             query?: never;
             header?: {
@@ -9217,822 +9197,7 @@ export interface operations {
                 Range?: string;
             };
             path: {
-                shape_id: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description The whole content. */
-            200: {
-                headers: {
-                    "Accept-Ranges"?: "bytes";
-                    "Content-Disposition"?: string;
-                    /** @description The SHA-256 of the content, quoted. */
-                    ETag?: string;
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    "*/*": unknown;
-                };
-            };
-            /** @description The asked ranges: one as it is, several as `multipart/byteranges`. */
-            206: {
-                headers: {
-                    "Accept-Ranges"?: "bytes";
-                    "Content-Disposition"?: string;
-                    /** @description Which bytes these are. */
-                    "Content-Range"?: string;
-                    /** @description The SHA-256 of the content, quoted. */
-                    ETag?: string;
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    "*/*": unknown;
-                };
-            };
-            /** @description The content is still the one of `If-None-Match`. */
-            304: {
-                headers: {
-                    /** @description The SHA-256 of the content, quoted. */
-                    ETag?: string;
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content?: never;
-            };
-            /** @description `unauthenticated`: An API key is needed, and none or an unknown one was given. */
-            401: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:unauthenticated",
-                     *       "title": "An API key is needed, and none or an unknown one was given.",
-                     *       "status": 401,
-                     *       "detail": "An API key is needed, and none or an unknown one was given.",
-                     *       "code": "unauthenticated",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description `forbidden`: The API key has no scope that allows this. */
-            403: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:forbidden",
-                     *       "title": "The API key has no scope that allows this.",
-                     *       "status": 403,
-                     *       "detail": "The API key has no scope that allows this.",
-                     *       "code": "forbidden",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description `not_found`: There is no such resource, or it is not yours. */
-            404: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:not_found",
-                     *       "title": "There is no such resource, or it is not yours.",
-                     *       "status": 404,
-                     *       "detail": "There is no such resource, or it is not yours.",
-                     *       "code": "not_found",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description `gone`: The resource existed and has expired or was deleted. */
-            410: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:gone",
-                     *       "title": "The resource existed and has expired or was deleted.",
-                     *       "status": 410,
-                     *       "detail": "The resource existed and has expired or was deleted.",
-                     *       "code": "gone",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description `precondition_failed`: A precondition given in the request's headers does not hold. */
-            412: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:precondition_failed",
-                     *       "title": "A precondition given in the request's headers does not hold.",
-                     *       "status": 412,
-                     *       "detail": "A precondition given in the request's headers does not hold.",
-                     *       "code": "precondition_failed",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description `range_not_satisfiable`: The asked range lies outside the content. */
-            416: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:range_not_satisfiable",
-                     *       "title": "The asked range lies outside the content.",
-                     *       "status": 416,
-                     *       "detail": "The asked range lies outside the content.",
-                     *       "code": "range_not_satisfiable",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description `validation_failed`: The request does not have the form it must have. */
-            422: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:validation_failed",
-                     *       "title": "The request does not have the form it must have.",
-                     *       "status": 422,
-                     *       "detail": "The request does not have the form it must have.",
-                     *       "code": "validation_failed",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description `rate_limited`: Too many requests in a short time. */
-            429: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:rate_limited",
-                     *       "title": "Too many requests in a short time.",
-                     *       "status": 429,
-                     *       "detail": "Too many requests in a short time.",
-                     *       "code": "rate_limited",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Any other error. */
-            default: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:internal_error",
-                     *       "title": "The fault is ours; it was logged under the given request id.",
-                     *       "status": 500,
-                     *       "detail": "The fault is ours; it was logged under the given request id.",
-                     *       "code": "internal_error",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
-    getShapeComponents: {
-        parameters: {
-            query?: never;
-            header?: {
-                /** @description Entity tags one of which the content must have. */
-                "If-Match"?: string;
-                /** @description Entity tags that the client has already. */
-                "If-None-Match"?: string;
-                /** @description Entity tag for which `Range` holds; with another the whole content comes. */
-                "If-Range"?: string;
-                /** @description Bytes to return: `bytes=0-1023`. */
-                Range?: string;
-            };
-            path: {
-                shape_id: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description The whole content. */
-            200: {
-                headers: {
-                    "Accept-Ranges"?: "bytes";
-                    "Content-Disposition"?: string;
-                    /** @description The SHA-256 of the content, quoted. */
-                    ETag?: string;
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    "*/*": unknown;
-                };
-            };
-            /** @description The asked ranges: one as it is, several as `multipart/byteranges`. */
-            206: {
-                headers: {
-                    "Accept-Ranges"?: "bytes";
-                    "Content-Disposition"?: string;
-                    /** @description Which bytes these are. */
-                    "Content-Range"?: string;
-                    /** @description The SHA-256 of the content, quoted. */
-                    ETag?: string;
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    "*/*": unknown;
-                };
-            };
-            /** @description The content is still the one of `If-None-Match`. */
-            304: {
-                headers: {
-                    /** @description The SHA-256 of the content, quoted. */
-                    ETag?: string;
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content?: never;
-            };
-            /** @description `unauthenticated`: An API key is needed, and none or an unknown one was given. */
-            401: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:unauthenticated",
-                     *       "title": "An API key is needed, and none or an unknown one was given.",
-                     *       "status": 401,
-                     *       "detail": "An API key is needed, and none or an unknown one was given.",
-                     *       "code": "unauthenticated",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description `forbidden`: The API key has no scope that allows this. */
-            403: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:forbidden",
-                     *       "title": "The API key has no scope that allows this.",
-                     *       "status": 403,
-                     *       "detail": "The API key has no scope that allows this.",
-                     *       "code": "forbidden",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description `not_found`: There is no such resource, or it is not yours. */
-            404: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:not_found",
-                     *       "title": "There is no such resource, or it is not yours.",
-                     *       "status": 404,
-                     *       "detail": "There is no such resource, or it is not yours.",
-                     *       "code": "not_found",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description `gone`: The resource existed and has expired or was deleted. */
-            410: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:gone",
-                     *       "title": "The resource existed and has expired or was deleted.",
-                     *       "status": 410,
-                     *       "detail": "The resource existed and has expired or was deleted.",
-                     *       "code": "gone",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description `precondition_failed`: A precondition given in the request's headers does not hold. */
-            412: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:precondition_failed",
-                     *       "title": "A precondition given in the request's headers does not hold.",
-                     *       "status": 412,
-                     *       "detail": "A precondition given in the request's headers does not hold.",
-                     *       "code": "precondition_failed",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description `range_not_satisfiable`: The asked range lies outside the content. */
-            416: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:range_not_satisfiable",
-                     *       "title": "The asked range lies outside the content.",
-                     *       "status": 416,
-                     *       "detail": "The asked range lies outside the content.",
-                     *       "code": "range_not_satisfiable",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description `validation_failed`: The request does not have the form it must have. */
-            422: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:validation_failed",
-                     *       "title": "The request does not have the form it must have.",
-                     *       "status": 422,
-                     *       "detail": "The request does not have the form it must have.",
-                     *       "code": "validation_failed",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description `rate_limited`: Too many requests in a short time. */
-            429: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:rate_limited",
-                     *       "title": "Too many requests in a short time.",
-                     *       "status": 429,
-                     *       "detail": "Too many requests in a short time.",
-                     *       "code": "rate_limited",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Any other error. */
-            default: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:internal_error",
-                     *       "title": "The fault is ours; it was logged under the given request id.",
-                     *       "status": 500,
-                     *       "detail": "The fault is ours; it was logged under the given request id.",
-                     *       "code": "internal_error",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
-    getShapeMesh: {
-        parameters: {
-            query?: never;
-            header?: {
-                /** @description Entity tags one of which the content must have. */
-                "If-Match"?: string;
-                /** @description Entity tags that the client has already. */
-                "If-None-Match"?: string;
-                /** @description Entity tag for which `Range` holds; with another the whole content comes. */
-                "If-Range"?: string;
-                /** @description Bytes to return: `bytes=0-1023`. */
-                Range?: string;
-            };
-            path: {
-                shape_id: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description The whole content. */
-            200: {
-                headers: {
-                    "Accept-Ranges"?: "bytes";
-                    "Content-Disposition"?: string;
-                    /** @description The SHA-256 of the content, quoted. */
-                    ETag?: string;
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    "*/*": unknown;
-                };
-            };
-            /** @description The asked ranges: one as it is, several as `multipart/byteranges`. */
-            206: {
-                headers: {
-                    "Accept-Ranges"?: "bytes";
-                    "Content-Disposition"?: string;
-                    /** @description Which bytes these are. */
-                    "Content-Range"?: string;
-                    /** @description The SHA-256 of the content, quoted. */
-                    ETag?: string;
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    "*/*": unknown;
-                };
-            };
-            /** @description The content is still the one of `If-None-Match`. */
-            304: {
-                headers: {
-                    /** @description The SHA-256 of the content, quoted. */
-                    ETag?: string;
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content?: never;
-            };
-            /** @description `unauthenticated`: An API key is needed, and none or an unknown one was given. */
-            401: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:unauthenticated",
-                     *       "title": "An API key is needed, and none or an unknown one was given.",
-                     *       "status": 401,
-                     *       "detail": "An API key is needed, and none or an unknown one was given.",
-                     *       "code": "unauthenticated",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description `forbidden`: The API key has no scope that allows this. */
-            403: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:forbidden",
-                     *       "title": "The API key has no scope that allows this.",
-                     *       "status": 403,
-                     *       "detail": "The API key has no scope that allows this.",
-                     *       "code": "forbidden",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description `not_found`: There is no such resource, or it is not yours. */
-            404: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:not_found",
-                     *       "title": "There is no such resource, or it is not yours.",
-                     *       "status": 404,
-                     *       "detail": "There is no such resource, or it is not yours.",
-                     *       "code": "not_found",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description `gone`: The resource existed and has expired or was deleted. */
-            410: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:gone",
-                     *       "title": "The resource existed and has expired or was deleted.",
-                     *       "status": 410,
-                     *       "detail": "The resource existed and has expired or was deleted.",
-                     *       "code": "gone",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description `precondition_failed`: A precondition given in the request's headers does not hold. */
-            412: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:precondition_failed",
-                     *       "title": "A precondition given in the request's headers does not hold.",
-                     *       "status": 412,
-                     *       "detail": "A precondition given in the request's headers does not hold.",
-                     *       "code": "precondition_failed",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description `range_not_satisfiable`: The asked range lies outside the content. */
-            416: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:range_not_satisfiable",
-                     *       "title": "The asked range lies outside the content.",
-                     *       "status": 416,
-                     *       "detail": "The asked range lies outside the content.",
-                     *       "code": "range_not_satisfiable",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description `validation_failed`: The request does not have the form it must have. */
-            422: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:validation_failed",
-                     *       "title": "The request does not have the form it must have.",
-                     *       "status": 422,
-                     *       "detail": "The request does not have the form it must have.",
-                     *       "code": "validation_failed",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description `rate_limited`: Too many requests in a short time. */
-            429: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:rate_limited",
-                     *       "title": "Too many requests in a short time.",
-                     *       "status": 429,
-                     *       "detail": "Too many requests in a short time.",
-                     *       "code": "rate_limited",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Any other error. */
-            default: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:internal_error",
-                     *       "title": "The fault is ours; it was logged under the given request id.",
-                     *       "status": 500,
-                     *       "detail": "The fault is ours; it was logged under the given request id.",
-                     *       "code": "internal_error",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
-    getShapePreview: {
-        parameters: {
-            query?: never;
-            header?: {
-                /** @description Entity tags one of which the content must have. */
-                "If-Match"?: string;
-                /** @description Entity tags that the client has already. */
-                "If-None-Match"?: string;
-                /** @description Entity tag for which `Range` holds; with another the whole content comes. */
-                "If-Range"?: string;
-                /** @description Bytes to return: `bytes=0-1023`. */
-                Range?: string;
-            };
-            path: {
+                file: "arg" | "mesh.glb" | "preview.png" | "components";
                 shape_id: string;
             };
             cookie?: never;
@@ -10399,6 +9564,171 @@ export interface operations {
                      *       "status": 410,
                      *       "detail": "An input of the job has been deleted.",
                      *       "code": "input_expired",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `validation_failed`: The request does not have the form it must have. */
+            422: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:validation_failed",
+                     *       "title": "The request does not have the form it must have.",
+                     *       "status": 422,
+                     *       "detail": "The request does not have the form it must have.",
+                     *       "code": "validation_failed",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `rate_limited`: Too many requests in a short time. */
+            429: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:rate_limited",
+                     *       "title": "Too many requests in a short time.",
+                     *       "status": 429,
+                     *       "detail": "Too many requests in a short time.",
+                     *       "code": "rate_limited",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Any other error. */
+            default: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:internal_error",
+                     *       "title": "The fault is ours; it was logged under the given request id.",
+                     *       "status": 500,
+                     *       "detail": "The fault is ours; it was logged under the given request id.",
+                     *       "code": "internal_error",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    listShapeLabels: {
+        parameters: {
+            query?: {
+                /** @description Only of the collection of this name. */
+                collection?: string | null;
+                /** @description Items a page may have. */
+                limit?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LabelCount"][];
+                };
+            };
+            /** @description `unauthenticated`: An API key is needed, and none or an unknown one was given. */
+            401: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:unauthenticated",
+                     *       "title": "An API key is needed, and none or an unknown one was given.",
+                     *       "status": 401,
+                     *       "detail": "An API key is needed, and none or an unknown one was given.",
+                     *       "code": "unauthenticated",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `forbidden`: The API key has no scope that allows this. */
+            403: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:forbidden",
+                     *       "title": "The API key has no scope that allows this.",
+                     *       "status": 403,
+                     *       "detail": "The API key has no scope that allows this.",
+                     *       "code": "forbidden",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `not_found`: There is no such resource, or it is not yours. */
+            404: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:not_found",
+                     *       "title": "There is no such resource, or it is not yours.",
+                     *       "status": 404,
+                     *       "detail": "There is no such resource, or it is not yours.",
+                     *       "code": "not_found",
                      *       "hint": "",
                      *       "instance": "/v1/…",
                      *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"

@@ -8,13 +8,12 @@ from uuid import UUID
 from fastapi import APIRouter, Query, Request, Response
 
 from shapery_contracts.api import JobView, Page
-from shapery_contracts.shapes import ShapeDetail, ShapeUpdate, ShapeView
+from shapery_contracts.shapes import LabelCount, ShapeDetail, ShapeUpdate, ShapeView
 from shapery_gateway.dependencies import BackendDep, Cursor, Limit, Reader, ReadSession, Writer, WriteSession
 from shapery_gateway.http.content import content_response
 from shapery_gateway.http.documentation import CONTENT_PARAMETERS, CONTENT_PROBLEMS, CONTENT_RESPONSES
 from shapery_gateway.openapi import COMMON_PROBLEMS, problems
 from shapery_gateway.shapes import service
-from shapery_platform.shapes import COMPONENTS, MESH, PREVIEW
 
 router = APIRouter(prefix="/v1/shapes", tags=["shapes"])
 
@@ -43,9 +42,30 @@ def list_shapes(
     outdated: Annotated[
         bool, Query(description="Only shapes that an older version has indexed, which searches do not see.")
     ] = False,
+    job_id: Annotated[UUID | None, Query(description="Only the shape that this job has indexed last.")] = None,
 ) -> Page[ShapeView]:
     """Newest first."""
-    return service.list_shapes(session, caller, cursor, limit, collection, label, name, outdated=outdated)
+    return service.list_shapes(
+        session, caller, cursor, limit, collection, label, name, outdated=outdated, job_id=job_id
+    )
+
+
+@router.get(
+    "/labels",
+    operation_id="listShapeLabels",
+    summary="Which labels your shapes carry",
+    responses=problems(*COMMON_PROBLEMS, "not_found"),
+)
+def list_shape_labels(
+    session: ReadSession,
+    caller: Reader,
+    collection: Annotated[
+        str | None, Query(min_length=1, max_length=200, description="Only of the collection of this name.")
+    ] = None,
+    limit: Limit = 200,
+) -> list[LabelCount]:
+    """Names and values with the number of shapes that carry them, the most frequent first."""
+    return service.list_labels(session, caller, collection, limit)
 
 
 @router.get(
@@ -100,56 +120,23 @@ def reindex_shape(
 
 
 @router.get(
-    "/{shape_id}/arg",
-    operation_id="getShapeGraph",
-    summary="A shape's attributed relational graph",
+    "/{shape_id}/{file}",
+    operation_id="getShapeFile",
+    summary="A shape's graph, or what viewers show of it",
     response_class=Response,
     openapi_extra=_PARAMETERS,
     responses=_CONTENT,
 )
-@router.head("/{shape_id}/arg", response_class=Response, include_in_schema=False)
-def get_shape_graph(backend: BackendDep, caller: Reader, request: Request, shape_id: UUID) -> Response:
-    """In the binary form that is described beside this interface's schema."""
-    return content_response(request, service.graph(backend, caller, shape_id))
+@router.head("/{shape_id}/{file}", response_class=Response, include_in_schema=False)
+def get_shape_file(
+    backend: BackendDep, caller: Reader, request: Request, shape_id: UUID, file: service.ShapeFileName
+) -> Response:
+    """One of its files.
 
-
-@router.get(
-    "/{shape_id}/mesh.glb",
-    operation_id="getShapeMesh",
-    summary="A shape's mesh for viewers",
-    response_class=Response,
-    openapi_extra=_PARAMETERS,
-    responses=_CONTENT,
-)
-@router.head("/{shape_id}/mesh.glb", response_class=Response, include_in_schema=False)
-def get_shape_mesh(backend: BackendDep, caller: Reader, request: Request, shape_id: UUID) -> Response:
-    """Binary glTF, small enough to be shown; the mesh as it was uploaded is the asset's content."""
-    return content_response(request, service.file(backend, caller, shape_id, MESH))
-
-
-@router.get(
-    "/{shape_id}/preview.png",
-    operation_id="getShapePreview",
-    summary="A shape's picture",
-    response_class=Response,
-    openapi_extra=_PARAMETERS,
-    responses=_CONTENT,
-)
-@router.head("/{shape_id}/preview.png", response_class=Response, include_in_schema=False)
-def get_shape_preview(backend: BackendDep, caller: Reader, request: Request, shape_id: UUID) -> Response:
-    """For lists and results."""
-    return content_response(request, service.file(backend, caller, shape_id, PREVIEW))
-
-
-@router.get(
-    "/{shape_id}/components",
-    operation_id="getShapeComponents",
-    summary="A shape's parts, level by level",
-    response_class=Response,
-    openapi_extra=_PARAMETERS,
-    responses=_CONTENT,
-)
-@router.head("/{shape_id}/components", response_class=Response, include_in_schema=False)
-def get_shape_components(backend: BackendDep, caller: Reader, request: Request, shape_id: UUID) -> Response:
-    """JSON: for each level the part of every vertex of `mesh.glb`, so that matched parts can be colored alike."""
-    return content_response(request, service.file(backend, caller, shape_id, COMPONENTS))
+    - `arg`: the attributed relational graph, in the binary form that is described beside this interface's schema.
+    - `mesh.glb`: binary glTF, small enough to be shown; the mesh as it was uploaded is the asset's content.
+    - `preview.png`: a picture for lists and results.
+    - `components`: JSON, for each level the part of every vertex of `mesh.glb`, so that matched parts can be colored
+      alike.
+    """
+    return content_response(request, service.file(backend, caller, shape_id, file))

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import Literal
 from uuid import UUID
 
 from sqlalchemy.orm import Session
 
 from shapery_contracts.api import JobCreate, JobView, Page
 from shapery_contracts.errors import InvalidInput
-from shapery_contracts.shapes import ShapeDetail, ShapeUpdate, ShapeView
+from shapery_contracts.shapes import LabelCount, ShapeDetail, ShapeUpdate, ShapeView
 from shapery_gateway import outbox
 from shapery_gateway.assets.service import stored_content
 from shapery_gateway.backend import Backend
@@ -17,6 +18,9 @@ from shapery_gateway.http.content import Content
 from shapery_gateway.http.storable import refuse_unstorable
 from shapery_platform import assets, jobs, shapes
 from shapery_platform.keys import Principal
+
+ShapeFileName = Literal["arg", "mesh.glb", "preview.png", "components"]
+_STORED = {"mesh.glb": shapes.MESH, "preview.png": shapes.PREVIEW, "components": shapes.COMPONENTS}
 
 
 def list_shapes(
@@ -29,6 +33,7 @@ def list_shapes(
     name: str | None,
     *,
     outdated: bool,
+    job_id: UUID | None,
 ) -> Page[ShapeView]:
     """Return a page of the caller's shapes, newest first."""
     refuse_unstorable([collection, name, list(label)], "The filter")
@@ -41,8 +46,15 @@ def list_shapes(
         labels=parse_labels(label),
         name=name,
         outdated=outdated,
+        job_id=job_id,
     )
     return Page(items=[shapes.view(shape) for shape in found], next_cursor=following)
+
+
+def list_labels(session: Session, caller: Principal, collection: str | None, limit: int) -> list[LabelCount]:
+    """Return the labels of the caller's shapes, the most frequent first."""
+    refuse_unstorable([collection], "The filter")
+    return shapes.labels(session, caller.owner, limit, collection=collection)
 
 
 def parse_labels(texts: Sequence[str]) -> dict[str, str]:
@@ -113,16 +125,12 @@ def mesh_of(session: Session, caller: Principal, shape_id: UUID) -> UUID:
         ) from None
 
 
-def file(backend: Backend, caller: Principal, shape_id: UUID, name: str) -> Content:
-    """Return a file of a shape, to be read after the session is closed."""
+def file(backend: Backend, caller: Principal, shape_id: UUID, name: ShapeFileName) -> Content:
+    """Return a file of a shape, to be read after the session is closed; its graph is held by its row."""
     with backend.database.session(readonly=True) as session:
-        found = shapes.file(session, caller.owner, shape_id, name)
-    return stored_content(backend.store, found.sha256, found.size, found.media_type, found.name)
-
-
-def graph(backend: Backend, caller: Principal, shape_id: UUID) -> Content:
-    """Return a shape's graph, which its row holds."""
-    with backend.database.session(readonly=True) as session:
+        if name != "arg":
+            found = shapes.file(session, caller.owner, shape_id, _STORED[name])
+            return stored_content(backend.store, found.sha256, found.size, found.media_type, found.name)
         shape = shapes.get(session, caller.owner, shape_id)
         data = shapes.graph(session, caller.owner, shape_id)
 

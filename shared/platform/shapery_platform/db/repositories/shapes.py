@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 from uuid import UUID
 
-from sqlalchemy import Row, Select, delete, exists, insert, select, update
+from sqlalchemy import Row, Select, delete, exists, func, insert, select, update
 from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session
 
@@ -48,6 +48,7 @@ def page(
     labels: Mapping[str, str],
     name: str | None,
     outdated_at: int | None,
+    job_id: UUID | None = None,
 ) -> Sequence[Shape]:
     """Return shapes, the newest first, that are older than `before`."""
     # As in `jobs.page`: a collection's shapes are few among all those of its owner.
@@ -59,7 +60,24 @@ def page(
         query = query.where(Shape.name.icontains(name, autoescape=True))
     if outdated_at is not None:
         query = query.where(Shape.index_version != outdated_at)
+    if job_id is not None:
+        query = query.where(Shape.job_id == job_id)
     return session.scalars(query.order_by(Shape.id.desc()).limit(limit)).all()
+
+
+def label_counts(
+    session: Session, owner: str, limit: int, *, collection_id: UUID | None
+) -> Sequence[Row[tuple[str, str, int]]]:
+    """Return labels as name, value and number of shapes, the most frequent first."""
+    number = func.count().label("shapes")
+    return session.execute(
+        select(ShapeLabel.name, ShapeLabel.value, number)
+        .join(Shape, Shape.id == ShapeLabel.shape_id)
+        .where(Shape.owner == owner, *narrowed(collection_id, {}))
+        .group_by(ShapeLabel.name, ShapeLabel.value)
+        .order_by(number.desc(), ShapeLabel.name, ShapeLabel.value)
+        .limit(limit)
+    ).all()
 
 
 def narrowed(collection_id: UUID | None, labels: Mapping[str, str]) -> list[Any]:
