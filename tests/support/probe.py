@@ -58,6 +58,8 @@ class ProbeParams(BaseModel):
     listen: bool = True
     """Whether it looks for a cancel between the steps."""
     mebibytes: int = 0
+    previews: bool = False
+    """Whether it shows something before each step: the step's number, and which process it is."""
     seed: int = 0
     artifacts: dict[str, int] = {}
     """Sizes by name."""
@@ -95,6 +97,8 @@ class ProbeHandler:
         first = params.once is None or claim_file(Path(params.once))
         for step in range(params.steps if first or params.action != "finish" else 0):
             context.stage(f"step {step + 1}", step / params.steps, f"step {step + 1} of {params.steps}")
+            if params.previews:
+                context.preview(lambda step=step: f"step {step + 1} of process {os.getpid()}".encode())
             time.sleep(params.step_seconds)
             if params.listen:
                 context.check_cancelled()

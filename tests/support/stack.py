@@ -176,6 +176,11 @@ class Stack:
         with self.database.session(readonly=True) as session:
             return jobs.events_after(session, OWNER, job_id)
 
+    def preview(self, job_id: UUID, after: int = 0) -> jobs.Preview | None:
+        """Return what a running job shows, if it is newer than `after`."""
+        with self.database.session(readonly=True) as session:
+            return jobs.preview(session, OWNER, job_id, after)
+
     def cancel(self, job_id: UUID) -> None:
         """Cancel a job."""
         with self.database.session() as session:

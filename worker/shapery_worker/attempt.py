@@ -199,7 +199,9 @@ class Attempt:
                 theirs.close()
                 stack.enter_context(BankServer(ours, runtime.banks.of(job.owner)))
             scratch.tell_handler(process.pid)
-            keeper = stack.enter_context(LeaseKeeper(runtime.database, runtime.settings, job.job_id, job.lease, board))
+            keeper = stack.enter_context(
+                LeaseKeeper(runtime.database, runtime.settings, job.job_id, job.lease, board, scratch.folders.preview)
+            )
             try:
                 return self._carry_out(scratch, process, board, keeper)
             except NotWanted as interrupted:

@@ -44,12 +44,13 @@ logger = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class Folders:
-    """Where a job's files lie on this machine."""
+    """Where a job's files lie on this machine; the last two need not exist."""
 
     inputs: Path
     output: Path
     work: Path
     outcome: Path
+    preview: Path
 
 
 class HandlerProcess:
@@ -60,7 +61,7 @@ class HandlerProcess:
     kind, handler, params
         What to run.
     folders
-        Where its files lie; all but the outcome exist.
+        Where its files lie; the three folders exist.
     board
         The page through which it tells its progress and learns of a cancel.
     label
@@ -191,7 +192,7 @@ def _live(parent: int, go: int, log: int, task: tuple[Any, ...], niceness: int) 
             enter_work_folder(folders.work)
             inputs = {name: Path(path) for name, path in json.loads(message).items()}
             bank = None if line is None else BankClient(line)
-            context = HandlerContext(board, folders.output, folders.work, bank)
+            context = HandlerContext(board, folders.output, folders.work, folders.preview, bank)
             write_outcome(folders.outcome, run_handler(kind, handler, params, inputs, context))
             code = 0
         else:

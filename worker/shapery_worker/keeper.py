@@ -6,6 +6,7 @@ import logging
 import threading
 import time
 from collections.abc import Callable
+from pathlib import Path
 from uuid import UUID
 
 from sqlalchemy.exc import SQLAlchemyError
@@ -15,6 +16,7 @@ from shapery_platform import jobs
 from shapery_platform.db import Database
 from shapery_platform.settings import Settings
 from shapery_worker.board import Board, Progress
+from shapery_worker.preview import PreviewFile
 
 logger = logging.getLogger(__name__)
 
@@ -34,15 +36,20 @@ class LeaseKeeper:
         What is held.
     board
         Where the handler writes its progress.
+    preview
+        The file in which it shows how its result looks so far.
     """
 
-    def __init__(self, database: Database, settings: Settings, job_id: UUID, lease: UUID, board: Board) -> None:
+    def __init__(
+        self, database: Database, settings: Settings, job_id: UUID, lease: UUID, board: Board, preview: Path
+    ) -> None:
         self._database = database
         self._settings = settings
         self._job_id = job_id
         self._lease = lease
         self._board = board
         self._shown = Progress()
+        self._preview = PreviewFile(preview)
         self._cancelled = threading.Event()
         self._lost = threading.Event()
         self._stop = threading.Event()
@@ -106,13 +113,17 @@ class LeaseKeeper:
 
     def _show(self) -> bool:
         progress = self._board.read()
-        if progress is None or progress == self._shown:
+        if progress is None:
+            return False
+        preview = self._preview.read()
+        if preview is None and progress == self._shown:
             return False
         with self._database.session() as session:
             state = jobs.report_progress(
-                session, self._job_id, self._lease, progress.stage, progress.fraction, progress.message
+                session, self._job_id, self._lease, progress.stage, progress.fraction, progress.message, preview
             )
         self._shown = progress
+        self._preview.taken()
         self._learn(state)
         return True
 

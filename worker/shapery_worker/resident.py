@@ -15,6 +15,7 @@ import os
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import redis
@@ -59,6 +60,9 @@ class QuestionContext:
         """Take no notice."""
 
     def progress(self, fraction: float, message: str = "") -> None:
+        """Take no notice."""
+
+    def preview(self, make: Callable[[], bytes]) -> None:
         """Take no notice."""
 
     def check_cancelled(self) -> None:

@@ -69,6 +69,7 @@ class ScratchFolder:
             output=self.path / "output",
             work=self.path / "work",
             outcome=self.path / "outcome.json",
+            preview=self.path / "preview",
         )
 
     @property

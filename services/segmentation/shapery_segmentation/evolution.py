@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import struct
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -28,6 +29,9 @@ FIRST_EVERY = 4
 
 MOST_VERTICES = 1200
 """Of one frame: enough to watch."""
+
+MOST_AT_ONCE = 6000
+"""Vertices of all surfaces that are shown together while the work goes on."""
 
 LARGEST_FILE = 64 << 20
 """Bytes beyond which `read_evolution` refuses a file."""
@@ -53,10 +57,47 @@ class Frame:
     mesh: TriangleMesh
 
 
-class Recorder:
-    """Takes in a surface now and then while it flows."""
+Show = Callable[[tuple[Frame, ...]], None]
+"""Called with all surfaces as they are just now: one frame each, together at most about `MOST_AT_ONCE` vertices."""
 
-    def __init__(self) -> None:
+
+class Scene:
+    """What is seen while surfaces are recovered one after the other: those at rest, and the one that flows.
+
+    Objects are numbered as they come to rest; the report numbers them by their confidence.
+
+    Parameters
+    ----------
+    show
+        Told of every change; None: nobody looks.
+    """
+
+    def __init__(self, show: Show | None = None) -> None:
+        self._show = show
+        self._resting: list[TriangleMesh] = []
+
+    def moved(self, frame: Frame) -> None:
+        """Show a surface that flows, in the place of the last one that did."""
+        if self._show is not None:
+            self._show((*self._at_rest(), replace(frame, object=len(self._resting) + 1)))
+
+    def rested(self, mesh: TriangleMesh) -> None:
+        """Keep a surface, coarse, that has come to rest."""
+        if self._show is not None:
+            self._resting.append(mesh)
+            self._show(self._at_rest())
+
+    def _at_rest(self) -> tuple[Frame, ...]:
+        most = min(MOST_VERTICES, (MOST_AT_ONCE - MOST_VERTICES) // max(len(self._resting), 1))
+        self._resting = [coarsened(mesh, most) for mesh in self._resting]
+        return tuple(Frame(number, 0, 0, mesh) for number, mesh in enumerate(self._resting, start=1))
+
+
+class Recorder:
+    """Takes in a surface now and then while it flows, and shows it where somebody looks."""
+
+    def __init__(self, scene: Scene | None = None) -> None:
+        self._scene = scene or Scene()
         self._frames: list[Frame] = []
         self._every = FIRST_EVERY
         self._seen = 0
@@ -70,12 +111,15 @@ class Recorder:
             self._frames = self._frames[::2]
             self._every *= 2
         self._frames.append(Frame(0, state.stage, state.iteration, coarsened(state.surface(), MOST_VERTICES)))
+        self._scene.moved(self._frames[-1])
         return self._frames[-1]
 
     def frames(self, end: TriangleMesh) -> tuple[Frame, ...]:
         """Return what was kept, and the surface at rest."""
         last = self._frames[-1] if self._frames else Frame(0, 0, 0, end)
-        return (*self._frames, Frame(0, last.stage, last.iteration + 1, coarsened(end, MOST_VERTICES)))
+        rest = coarsened(end, MOST_VERTICES)
+        self._scene.rested(rest)
+        return (*self._frames, Frame(0, last.stage, last.iteration + 1, rest))
 
 
 def numbered(frames: tuple[Frame, ...], number: int) -> tuple[Frame, ...]:
@@ -110,6 +154,11 @@ def coarsened(mesh: TriangleMesh, most: int) -> TriangleMesh:
 
 def write_evolution(frames: tuple[Frame, ...], path: Path) -> None:
     """Write frames, sorted by object and iteration."""
+    path.write_bytes(evolution_bytes(frames))
+
+
+def evolution_bytes(frames: tuple[Frame, ...]) -> bytes:
+    """Return what `write_evolution` writes."""
     origin, step = np.zeros(3), 1.0
     if frames:
         low = np.min([frame.mesh.vertices.min(axis=0) for frame in frames], axis=0)
@@ -132,7 +181,7 @@ def write_evolution(frames: tuple[Frame, ...], path: Path) -> None:
         body += places + b"\0" * (-len(places) % 4) + frame.mesh.faces.astype("<u4").tobytes()
     header = json.dumps({"origin": [float(x) for x in origin], "step": step, "frames": told}).encode()
     header += b" " * (-(len(MAGIC) + 4 + len(header)) % 4)
-    path.write_bytes(MAGIC + struct.pack("<I", len(header)) + header + bytes(body))
+    return MAGIC + struct.pack("<I", len(header)) + header + bytes(body)
 
 
 def read_evolution(path: Path) -> tuple[Frame, ...]:

@@ -32,7 +32,7 @@ from shapery_contracts.segmentation import SegmentationParams
 from shapery_geometry.rasterize import rasterize
 from shapery_geometry.volume import Volume
 from shapery_segmentation._flood_kernels import flood
-from shapery_segmentation.evolution import Recorder
+from shapery_segmentation.evolution import Recorder, Scene
 from shapery_segmentation.flow.normal import FlowState, NormalFlowParams, normal_flow
 from shapery_segmentation.gate import REACH, box_around, dense, within
 from shapery_segmentation.objects import THIN_EDGE, Recovered
@@ -168,6 +168,7 @@ def recover_object(
     params: SegmentationParams,
     *,
     check_cancelled: Callable[[], None] = lambda: None,
+    scene: Scene | None = None,
 ) -> Recovered:
     """Recover the object at one target.
 
@@ -181,6 +182,8 @@ def recover_object(
         Of these `edge_length` and `smoothing`.
     check_cancelled
         Called several times a second; what it raises passes through.
+    scene
+        Where the surface is seen while it flows.
 
     Raises
     ------
@@ -209,7 +212,7 @@ def recover_object(
     edge = max(spacing, float(np.sqrt(seed.area / (0.87 * LARGEST_SURFACE))))
     edge = params.edge_length if params.edge_length is not None else edge
 
-    recorder = Recorder()
+    recorder = Recorder(scene)
 
     def on_iteration(state: FlowState) -> None:
         check_cancelled()

@@ -17,7 +17,10 @@ READ, WORK = 0.1, 0.85
 
 
 class SegmentationHandler:
-    """Inputs ``post``, if given ``pre`` and ``vessels``; outputs as `shapery_segmentation.write_outputs` names them."""
+    """Inputs ``post``, if given ``pre`` and ``vessels``; outputs as `shapery_segmentation.write_outputs` names them.
+
+    Its preview is an evolution (``api_schema/evolution.md``) with one frame per object: each surface as it is just now.
+    """
 
     kind: ClassVar[str] = "segmentation"
 
@@ -32,6 +35,7 @@ class SegmentationHandler:
         from dataclasses import replace
 
         from shapery_geometry.volume_io import read_volume
+        from shapery_segmentation.evolution import evolution_bytes
         from shapery_segmentation.pipeline import segment
         from shapery_segmentation.report import write_outputs, write_report
 
@@ -64,6 +68,7 @@ class SegmentationHandler:
             params=params,
             on_progress=on_progress,
             check_cancelled=context.check_cancelled,
+            on_surfaces=lambda frames: context.preview(lambda: evolution_bytes(frames)),
         )
         context.stage("write", WORK)
         start = time.perf_counter()

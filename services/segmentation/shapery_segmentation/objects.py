@@ -15,7 +15,7 @@ from shapery_geometry.rasterize import rasterize
 from shapery_geometry.volume import Volume
 from shapery_segmentation.brain import Brain
 from shapery_segmentation.calibration import Calibration
-from shapery_segmentation.evolution import Frame, Recorder
+from shapery_segmentation.evolution import Frame, Recorder, Scene
 from shapery_segmentation.flow.normal import FlowState, NormalFlowParams, normal_flow
 from shapery_segmentation.gate import Region, reach
 from shapery_segmentation.labels import close_seam, enhancing_part, fill_enclosed
@@ -102,6 +102,7 @@ def recover(
     *,
     check_cancelled: Callable[[], None],
     on_progress: Callable[[float, str], None],
+    scene: Scene | None = None,
 ) -> list[Recovered]:
     """Recover an object from each candidate that leads to one.
 
@@ -115,6 +116,8 @@ def recover(
         Evidence of every voxel of the working grid.
     params
         Of these `max_objects`, `edge_length`, `smoothing` and `topology`.
+    scene
+        Where the surfaces are seen while they flow.
 
     Returns
     -------
@@ -137,7 +140,7 @@ def recover(
         confidence = _judge(candidate, region, weight, brain, calibration)
         if automatic and confidence < LEAST_CONFIDENCE:
             continue
-        item = _recover_one(brain, calibration, candidate, region, confidence, params, check_cancelled)
+        item = _recover_one(brain, calibration, candidate, region, confidence, params, check_cancelled, scene)
         if item is not None:
             found.append(item)
         # What belongs to one object is closed to the others, with a voxel between the surfaces.
@@ -229,9 +232,10 @@ def _recover_one(
     confidence: float,
     params: SegmentationParams,
     check_cancelled: Callable[[], None],
+    scene: Scene | None,
 ) -> Recovered | None:
     start = flow_start(brain, calibration, region, params)
-    recorder = Recorder()
+    recorder = Recorder(scene)
 
     def on_iteration(state: FlowState) -> None:
         check_cancelled()

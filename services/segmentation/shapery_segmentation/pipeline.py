@@ -25,7 +25,7 @@ from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.volume import Volume
 from shapery_segmentation.brain import find_brain
 from shapery_segmentation.calibration import calibrate
-from shapery_segmentation.evolution import Frame, numbered
+from shapery_segmentation.evolution import Frame, Scene, Show, numbered
 from shapery_segmentation.general import check_box, recover_object, targets
 from shapery_segmentation.labels import ENCLOSED, MICROHEMORRHAGE, OBJECT, VESSEL
 from shapery_segmentation.modes import choose_mode
@@ -81,6 +81,7 @@ class _Run:
 
     on_progress: Progress | None
     check_cancelled: Callable[[], None] | None
+    scene: Scene
     stages: list[StageTime] = field(default_factory=list)
 
     @contextmanager
@@ -111,6 +112,7 @@ def segment(
     params: SegmentationParams | None = None,
     on_progress: Progress | None = None,
     check_cancelled: Callable[[], None] | None = None,
+    on_surfaces: Show | None = None,
 ) -> Segmentation:
     """Recover the surfaces of enhancing brain tumors and of the vessels around them, or of any object.
 
@@ -130,6 +132,8 @@ def segment(
         Called with stage, fraction in [0, 1] and message.
     check_cancelled
         Called several times a second; what it raises ends the work and passes through.
+    on_surfaces
+        Called with the objects' surfaces, coarse, as they are while they grow.
 
     Returns
     -------
@@ -144,7 +148,7 @@ def segment(
         outside the volume; ``no_object_found`` where none of the user's seeds leads to anything.
     """
     params = params or SegmentationParams()
-    run = _Run(on_progress, check_cancelled)
+    run = _Run(on_progress, check_cancelled, Scene(on_surfaces))
     check_volume(post, "post-contrast")
     check_points(params.seeds, post)
     check_box(params.box, post)
@@ -238,6 +242,7 @@ def _tumors(
             params,
             check_cancelled=run.check,
             on_progress=run.evolving,
+            scene=run.scene,
         )
         if not found and not params.seeds:
             warnings.append("Nothing was found that enhances like a tumor; a seed can be given to look closer.")
@@ -265,7 +270,7 @@ def _objects(post: Volume, params: SegmentationParams, run: _Run, warnings: list
         for number, target in enumerate(pointed[: params.max_objects]):
             run.evolving(number / len(pointed), f"object {number + 1}")
             try:
-                found.append(recover_object(post, target, params, check_cancelled=run.check))
+                found.append(recover_object(post, target, params, check_cancelled=run.check, scene=run.scene))
             except InvalidInput as refusal:
                 refusals.append(refusal)
     if not found:

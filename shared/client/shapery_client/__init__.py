@@ -1,6 +1,6 @@
 """Python SDK of the Shapery platform.
 
->>> from shapery_client import Client
+>>> from shapery_client import Client, Preview
 >>> with Client("http://127.0.0.1:8000") as shapery:
 ...     post = shapery.upload("t1c.nii.gz")
 ...     job = shapery.submit("segmentation", {"post": post.id})
@@ -9,6 +9,6 @@
 """
 
 from shapery_client._errors import ApiError, ConnectionFailed, JobEndedBadly, TransferError
-from shapery_client._sdk import Client
+from shapery_client._sdk import Client, Preview
 
-__all__ = ["ApiError", "Client", "ConnectionFailed", "JobEndedBadly", "TransferError"]
+__all__ = ["ApiError", "Client", "ConnectionFailed", "JobEndedBadly", "Preview", "TransferError"]

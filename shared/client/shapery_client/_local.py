@@ -38,6 +38,9 @@ class LocalContext:
         """Show how far the work is."""
         self._report(self._stage, fraction, message)
 
+    def preview(self, make: Callable[[], bytes]) -> None:
+        """Do nothing: nobody looks."""
+
     def check_cancelled(self) -> None:
         """Do nothing: the interpreter raises `KeyboardInterrupt` by itself."""
 

@@ -6,6 +6,7 @@ import hashlib
 import json
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path, PurePosixPath
 from types import TracebackType
@@ -39,6 +40,14 @@ from shapery_contracts.shapes import SearchAnswer, SearchRequest
 from shapery_contracts.states import JobState
 
 Inputs = Mapping[str, UUID | str | Sequence[UUID | str]]
+
+
+@dataclass(frozen=True)
+class Preview:
+    """How a running job's result looks so far: its number, and its bytes."""
+
+    number: int
+    data: bytes
 
 
 class Client(BankCalls):
@@ -192,6 +201,17 @@ class Client(BankCalls):
             yield event
             if event.state.terminal and event.type == "state":
                 return
+
+    def preview(self, job_id: UUID | str, *, after: int = 0) -> Preview | None:
+        """Return how a running job's result looks so far; None where that is not newer than number `after`.
+
+        The bytes of a segmentation are an ``evolution.bin`` with one frame per object, as
+        `shapery_segmentation.evolution` reads it.
+        """
+        response = self._transport.request("GET", f"/v1/jobs/{job_id}/preview", params={"after": after})
+        if response.status_code == 204:
+            return None
+        return Preview(int(response.headers["Shapery-Preview"]), response.content)
 
     def wait(
         self,

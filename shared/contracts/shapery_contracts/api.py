@@ -106,6 +106,8 @@ class JobView(BaseModel):
     stage: str = ""
     fraction: float = 0.0
     message: str = ""
+    preview: int = 0
+    """Number of the newest preview of a running job; 0: there is none."""
     attempt: int = 0
     error: JobErrorView | None = None
     result: dict[str, Any] | None = None
@@ -129,6 +131,8 @@ class JobEvent(BaseModel):
     stage: str = ""
     fraction: float = 0.0
     message: str = ""
+    preview: int = 0
+    """Number of the newest preview; 0: there is none."""
     at: datetime
 
 

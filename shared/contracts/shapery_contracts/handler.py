@@ -6,13 +6,16 @@ database nor the queue; the same handler runs in a worker and in ``shapery segme
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, ClassVar, Protocol, TypeVar
 
 from pydantic import BaseModel
 
 from shapery_contracts.retrieval import ShapeBank
+
+MAX_PREVIEW = 512 << 10
+"""Bytes of one preview at the most; a larger one is not shown."""
 
 P_contra = TypeVar("P_contra", bound=BaseModel, contravariant=True)
 R_co = TypeVar("R_co", bound=BaseModel, covariant=True)
@@ -38,6 +41,13 @@ class JobContext(Protocol):
 
     def progress(self, fraction: float, message: str = "") -> None:
         """Say which fraction in [0, 1] of the whole work is done. Cheap: call it as often as you like."""
+
+    def preview(self, make: Callable[[], bytes]) -> None:
+        """Show how the result looks so far, in the place of what was shown before.
+
+        Cheap: call it as often as you like; `make` is called now and then, and gives at most `MAX_PREVIEW` bytes in a
+        format that the kind's results have.
+        """
 
     def check_cancelled(self) -> None:
         """Raise `shapery_contracts.errors.JobCancelled` if the job was cancelled. Cheap: call it in loops."""

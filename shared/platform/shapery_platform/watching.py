@@ -36,6 +36,7 @@ def job_events(session: Session, after: Mapping[UUID, int]) -> dict[UUID, list[J
                 stage=event.stage,
                 fraction=event.fraction,
                 message=event.message,
+                preview=event.preview,
                 at=event.at,
             )
         )

@@ -115,10 +115,10 @@ class Platform:
         assert claimed is not None
         return claimed.lease
 
-    def progress(self, job_id: str, lease: UUID, stage: str, fraction: float) -> None:
+    def progress(self, job_id: str, lease: UUID, stage: str, fraction: float, preview: bytes | None = None) -> None:
         """Report progress."""
         with self.database.session() as session:
-            assert jobs.report_progress(session, UUID(job_id), lease, stage, fraction)
+            assert jobs.report_progress(session, UUID(job_id), lease, stage, fraction, "", preview)
 
     def succeed(self, job_id: str, artifacts: dict[str, bytes] | None = None, media_type: str = "model/ply") -> None:
         """End a job, queued until now, with artifacts."""

@@ -3,13 +3,13 @@ from __future__ import annotations
 import json
 from datetime import timedelta
 from urllib.parse import quote
-from uuid import uuid4
+from uuid import UUID, uuid4
 
 import httpx
 import pytest
 from sqlalchemy import update
 
-from shapery_platform import retention
+from shapery_platform import jobs, retention
 from shapery_platform.db import utc_now
 from shapery_platform.db.models import Job
 from tests.integration.gateway.conftest import Platform, submit, upload
@@ -239,3 +239,27 @@ def test_without_a_broker_jobs_are_kept(local_platform: Platform, local: httpx.C
     assert [job["id"] for job in local.get("/v1/jobs", params={"state": "queued"}).json()["items"]] == jobs[::-1]
     with local_platform.database.session(readonly=True) as session:
         assert {job.enqueued_at for job in session.query(Job)} == {None}, "the reaper will send them"
+
+
+def test_a_running_job_shows_how_its_result_looks_so_far(platform: Platform, http: httpx.Client) -> None:
+    job = submit(http)
+    path = f"/v1/jobs/{job['id']}/preview"
+    assert http.get(path).status_code == 204
+    lease = platform.claim(job["id"])
+    shown = bytes(range(256)) * 700
+    platform.progress(job["id"], lease, "evolve", 0.4, shown)
+    answer = http.get(path)
+    assert (answer.status_code, answer.content) == (200, shown)
+    assert answer.headers["cache-control"] == "no-store"
+    assert answer.headers["content-type"] == "application/octet-stream"
+    number = int(answer.headers["shapery-preview"])
+    assert http.get(f"/v1/jobs/{job['id']}").json()["preview"] == number
+    assert http.get(path, params={"after": number}).status_code == 204
+    platform.progress(job["id"], lease, "evolve", 0.5, b"next")
+    assert http.get(path, params={"after": number}).content == b"next"
+    assert http.get(path, params={"after": -1}).status_code == 422
+    with platform.database.session() as session:
+        assert jobs.succeed(session, UUID(job["id"]), lease, {"objects": []}, [])
+    ended = http.get(path)
+    assert (ended.status_code, ended.content) == (204, b"")
+    assert http.get(f"/v1/jobs/{uuid4()}/preview").json()["code"] == "not_found"

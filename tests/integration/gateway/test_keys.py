@@ -38,6 +38,7 @@ NEEDS = {
         "listJobs",
         "getJob",
         "streamJobEvents",
+        "getJobPreview",
         "getArtifact",
         "listBatches",
         "getBatch",

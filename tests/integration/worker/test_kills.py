@@ -34,6 +34,23 @@ def test_a_job_whose_process_was_killed_is_done_by_another_once(
     assert states == [JobState.QUEUED, JobState.RUNNING, JobState.QUEUED, JobState.RUNNING, JobState.SUCCEEDED]
 
 
+def test_what_a_killed_attempt_showed_goes_and_the_next_one_shows_its_own(robust_stack: Stack) -> None:
+    stack = robust_stack
+    job_id = stack.submit(steps=20, step_seconds=0.1, previews=True)
+    stack.until(lambda: stack.preview(job_id) is not None, "something is shown")
+    first = stack.preview(job_id)
+    assert first is not None
+    handler = stack.running()[job_id]
+    assert first.data.endswith(f"process {handler}".encode())
+    os.kill(psutil.Process(handler).ppid(), signal.SIGKILL)
+    stack.until(lambda: stack.preview(job_id, first.number) is not None, "the next attempt shows something")
+    second = stack.preview(job_id, first.number)
+    assert second is not None
+    assert second.data.endswith(f"process {stack.running()[job_id]}".encode())
+    assert stack.wait(job_id).state is JobState.SUCCEEDED
+    assert stack.preview(job_id) is None
+
+
 def test_poisonous_jobs_end_as_crashed_and_stop_nobody_else(robust_stack: Stack) -> None:
     stack = robust_stack
     innocent = [stack.submit(artifacts=ARTIFACTS, seed=i, steps=2, step_seconds=0.3) for i in range(4)]

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from shapery_client import ApiError, Client, ConnectionFailed, JobEndedBadly, TransferError
+from shapery_client import ApiError, Client, ConnectionFailed, JobEndedBadly, Preview, TransferError
 from shapery_contracts.api import JobView
 from shapery_contracts.states import JobState
 from tests.unit.client.conftest import JOB, FlakyServer, answer, drop, problem
@@ -72,6 +72,18 @@ def test_a_job_is_submitted_once_however_often_the_request_is_sent(client: Clien
     keys = [headers["idempotency-key"] for method, _, headers in server.requests if method == "POST"]
     assert len(keys) == 2
     assert keys[0] == keys[1]
+
+
+def test_a_preview_comes_with_its_number_or_not_at_all(client: Client, server: FlakyServer) -> None:
+    def route(handler: BaseHTTPRequestHandler) -> None:
+        if handler.path.endswith("?after=7"):
+            answer(handler, 204, b"")
+        else:
+            answer(handler, 200, CONTENT, Shapery_Preview="7")
+
+    server.routes["GET", f"/v1/jobs/{JOB}/preview"] = route
+    assert client.preview(JOB) == Preview(7, CONTENT)
+    assert client.preview(JOB, after=7) is None
 
 
 def test_a_retry_by_the_user_is_not_repeated_blindly(client: Client, server: FlakyServer) -> None:

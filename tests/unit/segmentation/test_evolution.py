@@ -10,14 +10,18 @@ import numpy as np
 import pytest
 
 from shapery_contracts.errors import InvalidInput
+from shapery_contracts.handler import MAX_PREVIEW
 from shapery_geometry.mesh import TriangleMesh
 from shapery_segmentation.evolution import (
     MAGIC,
+    MOST_AT_ONCE,
     MOST_FRAMES,
     MOST_VERTICES,
     Frame,
     Recorder,
+    Scene,
     coarsened,
+    evolution_bytes,
     numbered,
     read_evolution,
     write_evolution,
@@ -89,6 +93,41 @@ def test_the_file_is_laid_out_as_described(tmp_path: Path) -> None:
     faces = 12 + length + (6 * told["vertices"] + 3) // 4 * 4
     np.testing.assert_array_equal(np.frombuffer(data, "<u4", 3, faces), mesh.faces[0])
     assert len(data) == faces + 12 * told["faces"]
+
+
+def test_a_scene_shows_what_flows_beside_what_rests() -> None:
+    shown: list[tuple[Frame, ...]] = []
+    scene = Scene(shown.append)
+    for number in (1, 2):
+        recorder = Recorder(scene)
+        for iteration in range(1, 10):
+            recorder.watch(state(iteration, ball(2.0 + number)))
+        recorder.frames(ball(4.0 + number))
+    told = [[(frame.object, frame.iteration) for frame in frames] for frames in shown]
+    assert told == [
+        [(1, 1)], [(1, 5)], [(1, 9)], [(1, 0)],
+        [(1, 0), (2, 1)], [(1, 0), (2, 5)], [(1, 0), (2, 9)], [(1, 0), (2, 0)],
+    ]  # fmt: skip
+    assert shown[-1][1].mesh.volume == pytest.approx(ball(6.0).volume, rel=0.03)
+
+
+def test_a_surface_that_vanished_gives_its_place_to_the_next() -> None:
+    shown: list[tuple[Frame, ...]] = []
+    scene = Scene(shown.append)
+    Recorder(scene).watch(state(1, ball(3.0)))
+    Recorder(scene).watch(state(2, ball(4.0)))
+    assert [[(frame.object, frame.iteration) for frame in frames] for frames in shown] == [[(1, 1)], [(1, 2)]]
+
+
+def test_many_surfaces_together_stay_within_bounds() -> None:
+    shown: list[tuple[Frame, ...]] = []
+    scene = Scene(shown.append)
+    for _ in range(20):
+        scene.rested(ball(8.0))
+    scene.moved(Frame(0, 0, 1, coarsened(ball(18.0), MOST_VERTICES)))
+    assert len(shown[-1]) == 21
+    assert sum(len(frame.mesh.vertices) for frame in shown[-1]) <= MOST_AT_ONCE
+    assert len(evolution_bytes(shown[-1])) <= MAX_PREVIEW / 2
 
 
 @pytest.mark.parametrize("damage", ["other", "short", "cut"])

@@ -5,14 +5,17 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from shapery_contracts.errors import InvalidInput, JobCancelled
+from shapery_contracts.handler import MAX_PREVIEW
 from shapery_contracts.kinds import get_kind
 from shapery_contracts.segmentation import SegmentationParams
 from shapery_geometry.volume_io import write_nifti
+from shapery_segmentation.evolution import read_evolution
 from shapery_segmentation.job import SegmentationHandler
 from shapery_segmentation.phantoms import HeadPhantom
 
@@ -28,6 +31,7 @@ class Context:
         self.output.mkdir()
         self.stages: list[str] = []
         self.fractions: list[float] = []
+        self.previews: list[bytes] = []
         self.cancel_in = cancel_in
 
     def stage(self, name: str, fraction: float, message: str = "") -> None:
@@ -36,6 +40,9 @@ class Context:
 
     def progress(self, fraction: float, message: str = "") -> None:
         self.fractions.append(fraction)
+
+    def preview(self, make: Callable[[], bytes]) -> None:
+        self.previews.append(make())
 
     def check_cancelled(self) -> None:
         if self.stages and self.stages[-1] == self.cancel_in:
@@ -67,6 +74,13 @@ def test_a_job_leaves_its_files_and_returns_its_report(files: dict[str, Path], t
         "labels.nii.gz", "surface.ply", "surfaces/1.ply", "scene.glb", "evolution.bin", "report.json",
     }  # fmt: skip
     assert json.loads((context.output / "report.json").read_text()) == result.model_dump(mode="json")
+
+    # What was shown meanwhile is how it grew, and in the end what came out.
+    (tmp_path / "preview").write_bytes(context.previews[-1])
+    (shown,) = read_evolution(tmp_path / "preview")
+    assert shown.mesh.volume == pytest.approx(result.objects[0].volume_mm3, rel=0.05)
+    assert len(context.previews) > 5
+    assert max(map(len, context.previews)) <= MAX_PREVIEW
 
 
 @pytest.mark.parametrize("stage", ["read", "seed", "evolve"])

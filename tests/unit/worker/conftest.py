@@ -50,7 +50,7 @@ KIND = JobKind(name="anything", service="anything", summary="", inputs={}, param
 
 @pytest.fixture
 def folders(tmp_path: Path) -> Folders:
-    made = Folders(*(tmp_path / name for name in ("inputs", "output", "work", "outcome.json")))
+    made = Folders(*(tmp_path / name for name in ("inputs", "output", "work", "outcome.json", "preview")))
     for path in (made.inputs, made.output, made.work):
         path.mkdir()
     return made

@@ -459,6 +459,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/jobs/{job_id}/preview": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * How a running job's result looks so far
+         * @description Events and the job itself tell the number of the newest (`preview`), so that nobody asks in vain.
+         */
+        get: operations["getJobPreview"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/jobs/{job_id}/retry": {
         parameters: {
             query?: never;
@@ -1133,6 +1153,11 @@ export interface components {
              * @default
              */
             message: string;
+            /**
+             * Preview
+             * @default 0
+             */
+            preview: number;
             /** Seq */
             seq: number;
             /**
@@ -1244,6 +1269,11 @@ export interface components {
             params: {
                 [key: string]: unknown;
             };
+            /**
+             * Preview
+             * @default 0
+             */
+            preview: number;
             /** Result */
             result?: {
                 [key: string]: unknown;
@@ -7208,6 +7238,182 @@ export interface operations {
                      *       "status": 503,
                      *       "detail": "A part of the platform that this needs does not answer.",
                      *       "code": "service_unavailable",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Any other error. */
+            default: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:internal_error",
+                     *       "title": "The fault is ours; it was logged under the given request id.",
+                     *       "status": 500,
+                     *       "detail": "The fault is ours; it was logged under the given request id.",
+                     *       "code": "internal_error",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    getJobPreview: {
+        parameters: {
+            query?: {
+                /** @description Number of the preview that one has already. */
+                after?: number;
+            };
+            header?: never;
+            path: {
+                job_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The newest preview. Of a segmentation: `evolution.bin` with one frame per object. */
+            200: {
+                headers: {
+                    /** @description Its number: send it as `after` the next time. */
+                    "Shapery-Preview"?: number;
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/octet-stream": string;
+                };
+            };
+            /** @description Nothing is newer than `after`, or the job does not run: look at its results. */
+            204: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description `unauthenticated`: An API key is needed, and none or an unknown one was given. */
+            401: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:unauthenticated",
+                     *       "title": "An API key is needed, and none or an unknown one was given.",
+                     *       "status": 401,
+                     *       "detail": "An API key is needed, and none or an unknown one was given.",
+                     *       "code": "unauthenticated",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `forbidden`: The API key has no scope that allows this. */
+            403: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:forbidden",
+                     *       "title": "The API key has no scope that allows this.",
+                     *       "status": 403,
+                     *       "detail": "The API key has no scope that allows this.",
+                     *       "code": "forbidden",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `not_found`: There is no such resource, or it is not yours. */
+            404: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:not_found",
+                     *       "title": "There is no such resource, or it is not yours.",
+                     *       "status": 404,
+                     *       "detail": "There is no such resource, or it is not yours.",
+                     *       "code": "not_found",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `validation_failed`: The request does not have the form it must have. */
+            422: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:validation_failed",
+                     *       "title": "The request does not have the form it must have.",
+                     *       "status": 422,
+                     *       "detail": "The request does not have the form it must have.",
+                     *       "code": "validation_failed",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `rate_limited`: Too many requests in a short time. */
+            429: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:rate_limited",
+                     *       "title": "Too many requests in a short time.",
+                     *       "status": 429,
+                     *       "detail": "Too many requests in a short time.",
+                     *       "code": "rate_limited",
                      *       "hint": "",
                      *       "instance": "/v1/…",
                      *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"

@@ -13,16 +13,20 @@ from shapery_contracts.states import JobState
 from shapery_gateway.dependencies import BackendDep, Cursor, Limit, Reader, ReadSession, Writer, WriteSession
 from shapery_gateway.http.content import content_response
 from shapery_gateway.http.documentation import (
+    BINARY,
     CONTENT_PARAMETERS,
     CONTENT_PROBLEMS,
     CONTENT_RESPONSES,
     event_stream,
 )
-from shapery_gateway.http.parameters import IdempotencyKey, LastEvent
+from shapery_gateway.http.parameters import MAX_SEQ, IdempotencyKey, LastEvent
 from shapery_gateway.jobs import service
 from shapery_gateway.openapi import COMMON_PROBLEMS, problems
 
 router = APIRouter(prefix="/v1/jobs", tags=["jobs"])
+
+PREVIEW_NUMBER = "Shapery-Preview"
+_NOT_KEPT = {"Cache-Control": "no-store"}
 
 _LOCATION: dict[str, Any] = {"Location": {"description": "The job's address.", "schema": {"type": "string"}}}
 _EXAMPLES: Any = {
@@ -140,6 +144,40 @@ def cancel_job(session: WriteSession, caller: Writer, job_id: UUID) -> JobView:
 def retry_job(session: WriteSession, caller: Writer, job_id: UUID) -> JobView:
     """For a job that failed, crashed or was cancelled."""
     return service.retry(session, caller, job_id)
+
+
+@router.get(
+    "/{job_id}/preview",
+    operation_id="getJobPreview",
+    summary="How a running job's result looks so far",
+    response_class=Response,
+    responses={
+        200: {
+            "description": "The newest preview. Of a segmentation: `evolution.bin` with one frame per object.",
+            "content": {"application/octet-stream": BINARY},
+            "headers": {
+                PREVIEW_NUMBER: {
+                    "description": "Its number: send it as `after` the next time.",
+                    "schema": {"type": "integer"},
+                }
+            },
+        },
+        204: {"description": "Nothing is newer than `after`, or the job does not run: look at its results."},
+        **problems(*COMMON_PROBLEMS, "not_found"),
+    },
+)
+def get_job_preview(
+    session: ReadSession,
+    caller: Reader,
+    job_id: UUID,
+    after: Annotated[int, Query(ge=0, le=MAX_SEQ, description="Number of the preview that one has already.")] = 0,
+) -> Response:
+    """Events and the job itself tell the number of the newest (`preview`), so that nobody asks in vain."""
+    found = service.preview(session, caller, job_id, after)
+    if found is None:
+        return Response(status_code=204, headers=_NOT_KEPT)
+    headers = {**_NOT_KEPT, PREVIEW_NUMBER: str(found.number)}
+    return Response(found.data, headers=headers, media_type="application/octet-stream")
 
 
 @router.get(

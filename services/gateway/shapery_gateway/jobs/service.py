@@ -74,6 +74,11 @@ def events_are_over(backend: Backend, caller: Principal, job_id: UUID, after: in
         return job.state.terminal and after >= job.event_seq
 
 
+def preview(session: Session, caller: Principal, job_id: UUID, after: int) -> jobs.Preview | None:
+    """Return the preview of a job of the caller if it is newer than `after`."""
+    return jobs.preview(session, caller.owner, job_id, after)
+
+
 def artifact(backend: Backend, caller: Principal, job_id: UUID, name: str) -> Content:
     """Return one artifact's bytes. The name is looked up among those the job has, and leads to no file by itself."""
     if "\0" in name or not name.isprintable():

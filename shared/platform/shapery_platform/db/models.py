@@ -244,6 +244,8 @@ class Job(Base):
     finished_at: Mapped[datetime | None]
     expires_at: Mapped[datetime | None]
     expired: Mapped[bool] = mapped_column(default=False)
+    preview: Mapped[int] = mapped_column(Integer, default=0, server_default=text("0"))
+    """Number of its preview, which is that of the event that told of it; 0: there is none."""
 
     inputs: Mapped[list[JobInput]] = relationship(
         lazy="selectin", order_by="(JobInput.name, JobInput.position)", viewonly=True
@@ -276,6 +278,16 @@ class JobArtifact(Base):
     media_type: Mapped[str] = mapped_column(String(127))
 
 
+class JobPreview(Base):
+    """How the result of a running job looks so far. Apart from the job, so that nothing else reads over it."""
+
+    __tablename__ = "job_previews"
+
+    job_id: Mapped[UUID] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
+    number: Mapped[int] = mapped_column(Integer)
+    data: Mapped[bytes] = mapped_column(LargeBinary)
+
+
 class JobEvent(Base):
     """One event of a job, numbered by `seq` within it."""
 
@@ -290,6 +302,7 @@ class JobEvent(Base):
     fraction: Mapped[float] = mapped_column(Float, default=0.0)
     message: Mapped[str] = mapped_column(Text, default="")
     at: Mapped[datetime] = mapped_column(default=utc_now)
+    preview: Mapped[int] = mapped_column(Integer, default=0, server_default=text("0"))
 
 
 class Collection(Base):

@@ -19,12 +19,13 @@ from shapery_platform.jobs.lifecycle import (
     succeed,
 )
 from shapery_platform.jobs.recovery import mark_enqueued, queued_without_message, recover_lost
-from shapery_platform.jobs.views import artifact, events_after, get, list_jobs, view
+from shapery_platform.jobs.views import Preview, artifact, events_after, get, list_jobs, preview, view
 
 __all__ = [
     "ClaimedInput",
     "ClaimedJob",
     "NewArtifact",
+    "Preview",
     "artifact",
     "cancel",
     "claim",
@@ -36,6 +37,7 @@ __all__ = [
     "heartbeat",
     "list_jobs",
     "mark_enqueued",
+    "preview",
     "queued_without_message",
     "recover_lost",
     "release",

@@ -49,11 +49,17 @@ def heartbeat(session: Session, job_id: UUID, lease: UUID) -> JobState | None:
 
 
 def report_progress(
-    session: Session, job_id: UUID, lease: UUID, stage: str, fraction: float, message: str = ""
+    session: Session,
+    job_id: UUID,
+    lease: UUID,
+    stage: str,
+    fraction: float,
+    message: str = "",
+    preview: bytes | None = None,
 ) -> JobState | None:
     """Record stage, fraction and message, which also is a heartbeat; returns what `heartbeat` returns.
 
-    The caller limits the rate.
+    A new preview takes the place of the one before; None keeps that. The caller limits rate and size.
     """
     fraction = 0.0 if math.isnan(fraction) else min(1.0, max(0.0, fraction))
     return repository.write_progress(
@@ -64,6 +70,7 @@ def report_progress(
         fraction,
         storable(message, _LONGEST_MESSAGE),
         database_now(session),
+        preview,
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from urllib.parse import quote
 from uuid import UUID
 
@@ -55,6 +56,7 @@ def view(job: Job) -> JobView:
         stage=job.stage,
         fraction=job.fraction,
         message=job.message,
+        preview=job.preview,
         attempt=job.attempt,
         error=error,
         result=job.result,
@@ -92,6 +94,27 @@ def artifact(session: Session, owner: str, job_id: UUID, name: str) -> JobArtifa
     raise InvalidInput("not_found", f"The job {job_id} has no artifact {name!r}.")
 
 
+@dataclass(frozen=True, slots=True)
+class Preview:
+    """How the result of a running job looks so far."""
+
+    number: int
+    """That of the event that told of it."""
+    data: bytes
+
+
+def preview(session: Session, owner: str, job_id: UUID, after: int = 0) -> Preview | None:
+    """Return a running job's preview if its number is above `after`; raises ``not_found`` where there is no such job.
+
+    None where nothing is new, nothing was shown yet, or the job does not run: then its results say more.
+    """
+    found = repository.find_preview(session, owner, job_id, after)
+    if found is not None:
+        return Preview(found.number, found.data)
+    get(session, owner, job_id)
+    return None
+
+
 def events_after(session: Session, owner: str, job_id: UUID, seq: int = 0, limit: int = 500) -> list[JobEvent]:
     """Return the events of a job with a number above `seq`, at most `limit`.
 
@@ -106,6 +129,7 @@ def events_after(session: Session, owner: str, job_id: UUID, seq: int = 0, limit
             stage=event.stage,
             fraction=event.fraction,
             message=event.message,
+            preview=event.preview,
             at=event.at,
         )
         for event in repository.events_after(session, owner, job_id, seq, limit)

@@ -15,7 +15,7 @@ from sqlalchemy import Row, Select, delete, insert, or_, select, text, update
 from sqlalchemy.orm import Session, raiseload
 
 from shapery_contracts.states import JobState
-from shapery_platform.db.models import IS_LIVE, WILL_EXPIRE, Asset, Job, JobArtifact, JobEvent, JobInput
+from shapery_platform.db.models import IS_LIVE, WILL_EXPIRE, Asset, Job, JobArtifact, JobEvent, JobInput, JobPreview
 
 _STATE_COLUMNS = (
     Job.id,
@@ -102,17 +102,27 @@ def waiting_attempt(session: Session, job_id: UUID) -> int | None:
 def update_state(
     session: Session, job_id: UUID, expected: JobState, lease: UUID | None, values: Mapping[str, Any], at: datetime
 ) -> bool:
-    """Write a new state and its event if the job still is in the expected state under the expected lease."""
+    """Write a new state and its event if the job still is in the expected state under the expected lease.
+
+    What the work has shown so far goes with the lease.
+    """
     condition = Job.lease.is_(None) if lease is None else Job.lease == lease
+    ends = lease is not None and "lease" in values
+    if ends:
+        values = {**values, "preview": 0}
     row = session.execute(
         update(Job)
         .where(Job.id == job_id, Job.state == expected, condition)
         .values(**values, event_seq=Job.event_seq + 1)
-        .returning(Job.event_seq, Job.state, Job.stage, Job.fraction, Job.message)
+        .returning(Job.event_seq, Job.state, Job.stage, Job.fraction, Job.message, Job.preview)
         .execution_options(synchronize_session=False)
     ).one_or_none()
     if row is None:
         return False
+    if ends:
+        session.execute(
+            delete(JobPreview).where(JobPreview.job_id == job_id).execution_options(synchronize_session=False)
+        )
     session.execute(
         insert(JobEvent),
         [
@@ -124,6 +134,7 @@ def update_state(
                 "stage": row.stage,
                 "fraction": row.fraction,
                 "message": row.message,
+                "preview": row.preview,
                 "at": at,
             }
         ],
@@ -139,7 +150,7 @@ def update_states(
         update(Job)
         .where(Job.state == expected, *condition)
         .values(**values, event_seq=Job.event_seq + 1)
-        .returning(Job.id, Job.event_seq, Job.state, Job.stage, Job.fraction, Job.message)
+        .returning(Job.id, Job.event_seq, Job.state, Job.stage, Job.fraction, Job.message, Job.preview)
         .execution_options(synchronize_session=False)
     ).all()
     if rows:
@@ -154,6 +165,7 @@ def update_states(
                     "stage": row.stage,
                     "fraction": row.fraction,
                     "message": row.message,
+                    "preview": row.preview,
                     "at": at,
                 }
                 for row in rows
@@ -174,22 +186,39 @@ def touch(session: Session, job_id: UUID, lease: UUID, at: datetime) -> JobState
 
 
 def write_progress(
-    session: Session, job_id: UUID, lease: UUID, stage: str, fraction: float, message: str, at: datetime
+    session: Session,
+    job_id: UUID,
+    lease: UUID,
+    stage: str,
+    fraction: float,
+    message: str,
+    at: datetime,
+    preview: bytes | None = None,
 ) -> JobState | None:
     """Record progress, which also is a heartbeat; None where the lease is lost.
 
     The event takes the place of the one before in the same stage, so that a job keeps one event per stage and state
-    however long it runs. Whoever follows the stream sees each as it comes.
+    however long it runs. Whoever follows the stream sees each as it comes. A preview takes the place of the one before,
+    too; its number is that of the event which tells of it.
     """
     row = session.execute(
         update(Job)
         .where(Job.id == job_id, Job.lease == lease)
-        .values(stage=stage, fraction=fraction, message=message, heartbeat_at=at, event_seq=Job.event_seq + 1)
-        .returning(Job.event_seq, Job.state)
+        .values(
+            stage=stage,
+            fraction=fraction,
+            message=message,
+            heartbeat_at=at,
+            event_seq=Job.event_seq + 1,
+            preview=Job.preview if preview is None else Job.event_seq + 1,
+        )
+        .returning(Job.event_seq, Job.state, Job.preview)
         .execution_options(synchronize_session=False)
     ).one_or_none()
     if row is None:
         return None
+    if preview is not None:
+        _write_preview(session, job_id, row.preview, preview)
     session.execute(
         delete(JobEvent)
         .where(JobEvent.job_id == job_id, JobEvent.type == "progress", JobEvent.stage == stage)
@@ -206,12 +235,35 @@ def write_progress(
                 "stage": stage,
                 "fraction": fraction,
                 "message": message,
+                "preview": row.preview,
                 "at": at,
             }
         ],
     )
     state: JobState = row.state
     return state
+
+
+def _write_preview(session: Session, job_id: UUID, number: int, data: bytes) -> None:
+    # The job's row is locked: nobody else writes its preview meanwhile.
+    changed = session.execute(
+        update(JobPreview)
+        .where(JobPreview.job_id == job_id)
+        .values(number=number, data=data)
+        .returning(JobPreview.job_id)
+        .execution_options(synchronize_session=False)
+    ).one_or_none()
+    if changed is None:
+        session.execute(insert(JobPreview), [{"job_id": job_id, "number": number, "data": data}])
+
+
+def find_preview(session: Session, owner: str, job_id: UUID, after: int) -> Row[tuple[int, bytes]] | None:
+    """Return number and bytes of a job's preview where its number is above `after`."""
+    return session.execute(
+        select(JobPreview.number, JobPreview.data)
+        .join(Job, Job.id == JobPreview.job_id)
+        .where(JobPreview.job_id == job_id, Job.owner == owner, JobPreview.number > after)
+    ).one_or_none()
 
 
 def add_artifacts(session: Session, rows: Iterable[Mapping[str, Any]]) -> None:
