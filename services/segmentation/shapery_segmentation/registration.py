@@ -15,7 +15,6 @@ deformations", IEEE Trans. Med. Imaging 22 (2003), doi:10.1109/TMI.2003.809072.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -39,14 +38,20 @@ POINTS = 20_000
 BINS = 32
 """Classes of intensity of either volume."""
 
-BESIDE_MM, BESIDE_DEGREES = 2.0, 2.0
-"""How far beside its place a volume is tried."""
+BESIDE = 2.0
+"""mm and degrees: how far beside its place a volume is tried."""
+
+LEAST_BESIDE = 0.25
+"""The same at the end of the ascent: what is nearer differs by the noise of the interpolation."""
+
+ARRIVED_MM = 0.1
+"""Way of one step after which the ascent ends."""
 
 STILL_MM = 0.5
 """A volume whose best place is nearer than this is not moved: the search itself is hardly surer."""
 
 NEAR_MM = 3.0
-"""A volume whose best place is nearer than this needs no coarse search."""
+"""A volume whose best place is nearer than this is not searched for, but led up to it."""
 
 LEAST_GAIN = 0.005
 """Mutual information (nat) that a search must gain for the volume to be moved."""
@@ -134,24 +139,28 @@ def register(moving: Volume, fixed: Volume, *, rng: np.random.Generator) -> Regi
 
     Notes
     -----
-    The search is SimpleITK's: Mattes' mutual information, gradient descent, 4 mm and then 2 mm, from the place that the
-    files say and, where that is poor, from the place where the centres of both heads meet.
+    Near the best place parabolas lead up to it (`_Pair.ascend`). Far from it the search is SimpleITK's: Mattes' mutual
+    information, gradient descent, 4 mm and then 2 mm, from the place that the files say and, where that is poor, from
+    the place where the centres of both heads meet.
     """
     pair = _Pair(moving, fixed, rng)
-    before = pair.agreement(np.eye(4))
-    off = pair.off(before) if pair.overlap(np.eye(4)) > 0.5 else float("inf")
+    here = np.eye(4)
+    before = pair.agreement(here)
+    off = _arc(pair.way_up(here, before, BESIDE)) if pair.overlap(here) > 0.5 else float("inf")
     if off < STILL_MM:
-        return pair.result(np.eye(4), False, before)
-    levels = LEVELS[1:] if off < NEAR_MM else LEVELS
-    starts = [np.eye(4)] if pair.overlap(np.eye(4)) > LEAST_OVERLAP else []
-    centred = pair.centred()
-    if not starts or (off >= NEAR_MM and np.linalg.norm(centred[:3, 3]) > 10.0):
-        starts.append(centred)
-    ends = [_search(pair, start, levels, int(rng.integers(1, 2**31))) for start in starts]
-    found = max(ends, key=pair.agreement)
+        return pair.result(here, False, before)
+    if off < NEAR_MM:
+        found = pair.ascend(here)
+    else:
+        starts = [here] if pair.overlap(here) > LEAST_OVERLAP else []
+        centred = pair.centred()
+        if not starts or np.linalg.norm(centred[:3, 3]) > 10.0:
+            starts.append(centred)
+        ends = [_search(pair, start, int(rng.integers(1, 2**31))) for start in starts]
+        found = max(ends, key=pair.agreement)
     best = pair.agreement(found)
     if best < before + LEAST_GAIN:
-        return pair.result(np.eye(4), False, before)
+        return pair.result(here, False, before)
     return pair.result(found, True, before)
 
 
@@ -289,21 +298,44 @@ class _Pair:
         seen = p > 0
         return float((p[seen] * np.log(p[seen] / both[seen])).sum())
 
-    def off(self, here: float) -> float:
-        """Return how far (mm) the volume lies from the nearby place of best agreement; infinite if that is not near."""
-        squares = 0.0
+    def way_up(self, start: FloatArray, here: float, beside: float) -> FloatArray:
+        """Return how far along each of six axes (mm, degrees) the place of best agreement lies from `start`.
+
+        Parameters
+        ----------
+        start, here
+            A place, and the agreement there.
+        beside
+            mm and degrees at which agreement is looked at to either side: the way leads to the top of the parabola
+            through the three. It is infinite where the best of them is at a side, or they have no top.
+        """
+        way = np.empty(6)
         for axis in range(6):
             step = np.zeros(6)
-            step[axis] = BESIDE_MM if axis < 3 else BESIDE_DEGREES
-            back = self.agreement(rigid(-step[3:], -step[:3], self.centre))
-            forth = self.agreement(rigid(step[3:], step[:3], self.centre))
+            step[axis] = beside
+            back, forth = (self.agreement(self._beside(start, sign * step)) for sign in (-1.0, 1.0))
             bend = 2.0 * here - back - forth
-            if here <= max(back, forth) or bend <= 0:
-                return float("inf")
-            # The top of the parabola through the three; between points and over a head a turn moves by its arc.
-            way = 0.5 * (forth - back) / bend * (BESIDE_MM if axis < 3 else np.deg2rad(BESIDE_DEGREES) * HEAD_RADIUS)
-            squares += way**2
-        return float(np.sqrt(squares))
+            top = here > max(back, forth) and bend > 0
+            way[axis] = 0.5 * (forth - back) / bend * beside if top else np.copysign(np.inf, forth - back)
+        return way
+
+    def ascend(self, start: FloatArray) -> FloatArray:
+        """Return the place of best agreement near `start`: parabola by parabola, from ever nearer sides."""
+        here = self.agreement(start)
+        beside = BESIDE
+        while beside >= LEAST_BESIDE:
+            way = np.clip(self.way_up(start, here, beside), -beside, beside)
+            there = self._beside(start, way)
+            agreement = self.agreement(there)
+            if agreement > here:
+                start, here = there, agreement
+                if _arc(way) < ARRIVED_MM:
+                    break
+            beside /= 2.0
+        return start
+
+    def _beside(self, start: FloatArray, way: FloatArray) -> FloatArray:
+        return np.asarray(rigid(way[3:], way[:3], self.centre) @ start)
 
     def centred(self) -> FloatArray:
         """Return the shift that brings the centre of the moving head to that of the fixed one."""
@@ -342,6 +374,11 @@ class _Pair:
         return np.asarray(self.points @ inverse[:3, :3].T + inverse[:3, 3])
 
 
+def _arc(way: FloatArray) -> float:
+    """Return a way along six axes as mm: over a head a turn moves by its arc."""
+    return float(np.sqrt(np.square(way[:3]).sum() + np.square(np.deg2rad(way[3:]) * HEAD_RADIUS).sum()))
+
+
 def _coarse(volume: Volume) -> Volume:
     coarse = averaged(volume.filled().canonical()[0], STEP)
     return Volume(np.ascontiguousarray(coarse.data, dtype=np.float32), coarse.affine)
@@ -368,7 +405,7 @@ def _sampled(volume: Volume, points: FloatArray) -> tuple[NDArray[np.float32], N
     return ndimage.map_coordinates(volume.data, index.T, order=1, mode="nearest"), inside
 
 
-def _search(pair: _Pair, start: FloatArray, levels: Sequence[float], seed: int) -> FloatArray:
+def _search(pair: _Pair, start: FloatArray, seed: int) -> FloatArray:
     """Return the place of best mutual information that SimpleITK finds from `start`."""
     import SimpleITK as sitk  # noqa: N813
 
@@ -384,7 +421,7 @@ def _search(pair: _Pair, start: FloatArray, levels: Sequence[float], seed: int) 
     method.SetMetricAsMattesMutualInformation(BINS)
     method.SetMetricSamplingStrategy(method.RANDOM)
     method.SetMetricSamplingPercentagePerLevel(
-        [min(1.0, SEARCHED * round(step / STEP) ** 3 / pair.fixed.data.size) for step in levels], seed
+        [min(1.0, SEARCHED * round(step / STEP) ** 3 / pair.fixed.data.size) for step in LEVELS], seed
     )
     method.SetInterpolator(sitk.sitkLinear)
     method.SetOptimizerAsRegularStepGradientDescent(
@@ -393,8 +430,8 @@ def _search(pair: _Pair, start: FloatArray, levels: Sequence[float], seed: int) 
     )  # fmt: skip
     # A radian moves the head's surface by its radius; ITK's own estimate of this draws samples that no seed rules.
     method.SetOptimizerScales([HEAD_RADIUS**2] * 3 + [1.0] * 3)
-    method.SetShrinkFactorsPerLevel([round(step / STEP) for step in levels])
-    method.SetSmoothingSigmasPerLevel([0.5 * step for step in levels])
+    method.SetShrinkFactorsPerLevel([round(step / STEP) for step in LEVELS])
+    method.SetSmoothingSigmasPerLevel([0.5 * step for step in LEVELS])
     method.SmoothingSigmasAreSpecifiedInPhysicalUnitsOn()
     method.SetInitialTransform(initial, inPlace=True)
     try:

@@ -12,6 +12,24 @@ Array = npt.NDArray[Any]
 FloatArray = npt.NDArray[np.float64]
 
 
+@njit(nogil=True)
+def _known_part(data: Array, x: int, y: int, z: int, u: float, v: float, w: float, fill: float) -> float:
+    """Return the trilinear value in a cell of which some corners may not be known or not be there."""
+    total = 0.0
+    weight = 0.0
+    for a in range(min(2, data.shape[0])):
+        part_u = u if a == 1 else 1.0 - u
+        for b in range(min(2, data.shape[1])):
+            part_v = v if b == 1 else 1.0 - v
+            for c in range(min(2, data.shape[2])):
+                share = part_u * part_v * (w if c == 1 else 1.0 - w)
+                value = float(data[x + a, y + b, z + c])
+                if share > 0.0 and np.isfinite(value):
+                    total += share * value
+                    weight += share
+    return total / weight if weight >= 0.5 else fill
+
+
 @njit(cache=True, nogil=True)
 def linear(data: Array, matrix: FloatArray, offset: FloatArray, out: Array, fill: float) -> None:
     """Write into `out` the trilinear value of `data` at ``matrix @ (i, j, k) + offset``, `fill` outside.
@@ -34,19 +52,19 @@ def linear(data: Array, matrix: FloatArray, offset: FloatArray, out: Array, fill
                 x0 = min(int(x), max(nx - 2, 0))
                 y0 = min(int(y), max(ny - 2, 0))
                 z0 = min(int(z), max(nz - 2, 0))
-                total = 0.0
-                weight = 0.0
-                for a in range(min(2, nx)):
-                    wx = x - x0 if a == 1 else 1.0 - (x - x0)
-                    for b in range(min(2, ny)):
-                        wy = y - y0 if b == 1 else 1.0 - (y - y0)
-                        for c in range(min(2, nz)):
-                            w = wx * wy * (z - z0 if c == 1 else 1.0 - (z - z0))
-                            value = float(data[x0 + a, y0 + b, z0 + c])
-                            if w > 0.0 and np.isfinite(value):
-                                total += w * value
-                                weight += w
-                out[i, j, k] = total / weight if weight >= 0.5 else fill
+                u, v, w = x - x0, y - y0, z - z0
+                if nx > 1 and ny > 1 and nz > 1:
+                    value = (1.0 - u) * (
+                        (1.0 - v) * ((1.0 - w) * data[x0, y0, z0] + w * data[x0, y0, z0 + 1])
+                        + v * ((1.0 - w) * data[x0, y0 + 1, z0] + w * data[x0, y0 + 1, z0 + 1])
+                    ) + u * (
+                        (1.0 - v) * ((1.0 - w) * data[x0 + 1, y0, z0] + w * data[x0 + 1, y0, z0 + 1])
+                        + v * ((1.0 - w) * data[x0 + 1, y0 + 1, z0] + w * data[x0 + 1, y0 + 1, z0 + 1])
+                    )
+                    if np.isfinite(value):
+                        out[i, j, k] = value
+                        continue
+                out[i, j, k] = _known_part(data, x0, y0, z0, u, v, w, fill)
 
 
 @njit(cache=True, nogil=True)
