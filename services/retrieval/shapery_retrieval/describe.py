@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from shapery_contracts.errors import InvalidInput
 from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.operators.surface_distance import closest_points
+from shapery_geometry.threads import one_blas_thread
 from shapery_retrieval.arg import Arg
 from shapery_retrieval.decompose import Decomposition, decompose
 from shapery_retrieval.nodes import build_levels
@@ -83,6 +84,7 @@ class Description:
         return shares
 
 
+@one_blas_thread()
 def describe(mesh: TriangleMesh, *, on_stage: OnStage | None = None) -> Description:
     """Analyse a mesh.
 

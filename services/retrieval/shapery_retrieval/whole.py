@@ -71,7 +71,8 @@ def signal_quantiles(signals: Signals) -> NDArray[np.float64]:
 
 def wave_words(signals: Signals, words: Vocabulary) -> NDArray[np.float64]:
     """(w,) share of the surface whose wave kernel signature is nearest to each word, softly."""
-    apart = ((signals.wave[:, None, :] - words.waves[None, :, :]) ** 2).sum(axis=2)
+    # |x − w|² less |x|², which the shares do not depend on
+    apart = (words.waves**2).sum(axis=1) - 2 * signals.wave @ words.waves.T
     apart -= apart.min(axis=1, keepdims=True)
     shares = np.exp(-apart / words.wave_width**2)
     return np.asarray(signals.areas @ (shares / shares.sum(axis=1, keepdims=True)))

@@ -55,6 +55,49 @@ def morton_codes(boxes):
 
 
 @njit(cache=True, nogil=True)
+def split_order(boxes, leaf_size):
+    """(m,) boxes in the order of a tree that is split across its longest side at every node.
+
+    The left side of each node is full, as `node_boxes` wants it.
+    """
+    m = len(boxes)
+    order = np.arange(m)
+    centres = boxes[:, :3] + boxes[:, 3:]
+    keys = np.empty(m)
+    width = 1
+    while width * leaf_size < m:
+        width *= 2
+    starts, ends, widths = np.empty(64, np.int64), np.empty(64, np.int64), np.empty(64, np.int64)
+    starts[0], ends[0], widths[0] = 0, m, width
+    top = 1
+    while top > 0:
+        top -= 1
+        a, b, leaves = starts[top], ends[top], widths[top]
+        if b - a <= leaf_size:
+            continue
+        half = leaves // 2 * leaf_size
+        if b - a <= half:
+            starts[top], ends[top], widths[top] = a, b, leaves // 2
+            top += 1
+            continue
+        axis, longest = 0, -1.0
+        for k in range(3):
+            low, high = np.inf, -np.inf
+            for i in range(a, b):
+                value = centres[order[i], k]
+                low, high = min(low, value), max(high, value)
+            if high - low > longest:
+                axis, longest = k, high - low
+        for i in range(a, b):
+            keys[i] = centres[order[i], axis]
+        order[a:b] = order[a:b][np.argsort(keys[a:b], kind="mergesort")]
+        for begin, end in ((a + half, b), (a, a + half)):
+            starts[top], ends[top], widths[top] = begin, end, leaves // 2
+            top += 1
+    return order
+
+
+@njit(cache=True, nogil=True)
 def node_boxes(boxes, order, leaf_size, first_leaf):
     """(2 · first_leaf + 1, 6) boxes of a complete binary tree whose leaves hold the ordered boxes."""
     nodes = np.empty((2 * first_leaf + 1, 6))

@@ -62,7 +62,19 @@ def across(da, db, ab, bc, ca):
 
 
 @njit(cache=True, nogil=True)
-def march(source, faces, lengths, starts, corners, link_starts, links, link_lengths, distances, done, keys, items):
+def fans(faces, lengths, corners):
+    """Lay out the faces around each vertex: (c, 2) their other corners, and (c, 3) the lengths va, ab and bv."""
+    ends = np.empty((len(corners), 2), dtype=np.int32)
+    sides = np.empty((len(corners), 3))
+    for at in range(len(corners)):
+        f, k = corners[at] // 3, corners[at] % 3
+        ends[at, 0], ends[at, 1] = faces[f, (k + 1) % 3], faces[f, (k + 2) % 3]
+        sides[at, 0], sides[at, 1], sides[at, 2] = lengths[f, k], lengths[f, (k + 1) % 3], lengths[f, (k + 2) % 3]
+    return ends, sides
+
+
+@njit(cache=True, nogil=True)
+def march(source, ends, sides, starts, link_starts, links, link_lengths, distances, done, keys, items):
     """Fill `distances` (n,) from one vertex: the fast marching method with point sources, plus links as they are."""
     n = len(distances)
     for v in range(n):
@@ -87,54 +99,50 @@ def march(source, faces, lengths, starts, corners, link_starts, links, link_leng
                 _push(keys, items, size, d, w)
                 size += 1
         for at in range(starts[v], starts[v + 1]):
-            f, k = corners[at] // 3, corners[at] % 3
-            a, b = faces[f, (k + 1) % 3], faces[f, (k + 2) % 3]
-            va, ab, bv = lengths[f, k], lengths[f, (k + 1) % 3], lengths[f, (k + 2) % 3]
-            d = key + va
-            if done[b] and not done[a]:
-                d = min(d, across(key, distances[b], bv, ab, va))
-            if d < distances[a] and not done[a] and size < len(keys):
-                distances[a] = d
-                _push(keys, items, size, d, a)
-                size += 1
-            d = key + bv
-            if done[a] and not done[b]:
-                d = min(d, across(key, distances[a], va, ab, bv))
-            if d < distances[b] and not done[b] and size < len(keys):
-                distances[b] = d
-                _push(keys, items, size, d, b)
-                size += 1
+            a, b = ends[at, 0], ends[at, 1]
+            if not done[a]:
+                d = key + sides[at, 0]
+                if done[b]:
+                    d = min(d, across(key, distances[b], sides[at, 2], sides[at, 1], sides[at, 0]))
+                if d < distances[a] and size < len(keys):
+                    distances[a] = d
+                    _push(keys, items, size, d, a)
+                    size += 1
+            if not done[b]:
+                d = key + sides[at, 2]
+                if done[a]:
+                    d = min(d, across(key, distances[a], sides[at, 0], sides[at, 1], sides[at, 2]))
+                if d < distances[b] and size < len(keys):
+                    distances[b] = d
+                    _push(keys, items, size, d, b)
+                    size += 1
 
 
 @njit(cache=True, nogil=True)
-def march_all(sources, n, faces, lengths, starts, corners, link_starts, links, link_lengths):
+def march_all(sources, n, ends, sides, starts, link_starts, links, link_lengths):
     """(k, n) distances from each source."""
     result = np.empty((len(sources), n))
     done = np.empty(n, dtype=np.bool_)
-    room = 8 * len(faces) + len(links) + 16
+    room = 4 * len(ends) + len(links) + 16
     keys, items = np.empty(room), np.empty(room, dtype=np.int64)
     for i in range(len(sources)):
-        march(
-            sources[i], faces, lengths, starts, corners, link_starts, links, link_lengths, result[i], done, keys, items
-        )
+        march(sources[i], ends, sides, starts, link_starts, links, link_lengths, result[i], done, keys, items)
     return result
 
 
 @njit(cache=True, nogil=True)
-def farthest_points(first, count, n, faces, lengths, starts, corners, link_starts, links, link_lengths):
+def farthest_points(first, count, n, ends, sides, starts, link_starts, links, link_lengths):
     """(count,) vertices, each the farthest from those before it, and their (count, n) distances."""
     chosen = np.empty(count, dtype=np.int64)
     result = np.empty((count, n))
     done = np.empty(n, dtype=np.bool_)
-    room = 8 * len(faces) + len(links) + 16
+    room = 4 * len(ends) + len(links) + 16
     keys, items = np.empty(room), np.empty(room, dtype=np.int64)
     nearest = np.full(n, np.inf)
     following = first
     for i in range(count):
         chosen[i] = following
-        march(
-            following, faces, lengths, starts, corners, link_starts, links, link_lengths, result[i], done, keys, items
-        )
+        march(following, ends, sides, starts, link_starts, links, link_lengths, result[i], done, keys, items)
         farthest = -1.0
         for v in range(n):
             nearest[v] = min(nearest[v], result[i, v])

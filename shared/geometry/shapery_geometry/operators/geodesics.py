@@ -63,7 +63,8 @@ class GeodesicSurface:
         order = np.argsort(ends[:, 0], kind="stable")
         link_starts = np.concatenate(([0], np.cumsum(np.bincount(ends[:, 0], minlength=n))))
         lengths = np.tile(self.links.lengths, 2)[order]
-        return faces, self.triangulation.lengths, starts, corners, link_starts, ends[order, 1], lengths
+        fans, sides = kernels.fans(faces, self.triangulation.lengths, corners)
+        return fans, sides, starts, link_starts, ends[order, 1], lengths
 
     def distances(self, sources: ArrayLike) -> NDArray[np.float64]:
         """Return the (k, n) distances from k vertices to all; infinite where there is no path."""

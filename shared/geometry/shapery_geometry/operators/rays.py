@@ -51,7 +51,7 @@ def first_hits(
         return np.full(len(start), np.inf), np.full(len(start), -1, dtype=np.int32)
     tree = build_face_tree(mesh) if tree is None else tree
     distances, faces = kernels.first_hits(
-        start, along, np.full(len(start), beyond), mesh.vertices, mesh.faces,
+        start, along, np.full(len(start), beyond), kernels.in_leaf_order(mesh.vertices, mesh.faces, tree.order),
         tree.order, tree.nodes, tree.first_leaf, LEAF_SIZE,
     )  # fmt: skip
     return np.asarray(distances), np.asarray(faces)
