@@ -17,7 +17,8 @@ from rich.table import Table
 
 from demo.comparison import compare
 from shapery_client import Client, JobEndedBadly
-from shapery_client.cli._output import stage_bar, transfer_bar
+from shapery_client.cli._following import follow
+from shapery_client.cli._output import transfer_bar
 from shapery_contracts.api import AssetView, JobView
 from shapery_contracts.errors import ShaperyError
 from shapery_contracts.segmentation import SegmentationResult
@@ -124,8 +125,7 @@ def run_job(client: Client, post: Path, pre: Path | None) -> JobView:
     if pre is not None:
         inputs["pre"] = upload(client, pre).id
     job = client.submit("segmentation", inputs)
-    with stage_bar("segmentation") as bar:
-        return client.wait(job.id, on_event=lambda event: bar.update(event.stage, event.fraction, event.message))
+    return follow(client, job, "segmentation")
 
 
 def upload(client: Client, path: Path) -> AssetView:

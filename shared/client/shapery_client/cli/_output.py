@@ -62,8 +62,12 @@ class StageBar:
 
     def update(self, stage: str, fraction: float, message: str) -> None:
         """Show where the work is."""
-        note = " · ".join(part for part in (stage, message) if part)
-        self._progress.update(self._task, completed=fraction, note=note)
+        self._progress.update(self._task, completed=fraction)
+        self.note(" · ".join(part for part in (stage, message) if part))
+
+    def note(self, text: str) -> None:
+        """Show `text` beside the bar, until the next update."""
+        self._progress.update(self._task, note=text)
 
 
 @contextmanager

@@ -9,6 +9,7 @@ from uuid import UUID
 
 import typer
 
+from shapery_client.cli._following import missing_workers_told
 from shapery_client.cli._output import JOB_FAILED, JsonOption, print_json, print_table, stage_bar
 from shapery_client.cli._server import DEFAULT_SERVER, KeyOption, ServerOption, connect, upload_paths
 from shapery_client.cli.jobs import parse_params
@@ -67,7 +68,11 @@ def watch(
     batch: BatchArgument, server: ServerOption = DEFAULT_SERVER, api_key: KeyOption = None, json: JsonOption = False
 ) -> None:
     """Show a batch's progress until all jobs have ended; exit code 5 if some did not succeed."""
-    with connect(server, api_key) as client, stage_bar(str(batch)[-12:]) as bar:
+    with (
+        connect(server, api_key) as client,
+        stage_bar(str(batch)[-12:]) as bar,
+        missing_workers_told(client, client.batch(batch).kind, bar),
+    ):
 
         def show_event(event: BatchEvent) -> None:
             total = sum(event.counts.values())

@@ -10,7 +10,8 @@ from uuid import UUID
 
 import typer
 
-from shapery_client.cli._output import JsonOption, print_json, print_table, stage_bar, stdout
+from shapery_client.cli._following import follow
+from shapery_client.cli._output import JsonOption, print_json, print_table, stdout
 from shapery_client.cli._server import DEFAULT_SERVER, KeyOption, ServerOption, connect
 from shapery_contracts.api import JobView
 from shapery_contracts.errors import InvalidInput
@@ -81,8 +82,8 @@ def watch(
     job: JobArgument, server: ServerOption = DEFAULT_SERVER, api_key: KeyOption = None, json: JsonOption = False
 ) -> None:
     """Show a job's progress until it has ended; exit code 5 if it did not succeed."""
-    with connect(server, api_key) as client, stage_bar(str(job)[-12:]) as bar:
-        ended = client.wait(job, on_event=lambda event: bar.update(event.stage, event.fraction, event.message))
+    with connect(server, api_key) as client:
+        ended = follow(client, client.job(job), str(job)[-12:])
     show_job(ended, json)
 
 

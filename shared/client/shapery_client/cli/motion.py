@@ -11,6 +11,7 @@ from typing import Annotated, Any
 import typer
 from pydantic import BaseModel
 
+from shapery_client.cli._following import follow
 from shapery_client.cli._output import JsonOption, print_json, print_table, stage_bar, stderr, stdout
 from shapery_client.cli._server import KeyOption, OptionalServerOption, connect, upload_paths
 from shapery_contracts.errors import InvalidInput, Unavailable
@@ -172,8 +173,7 @@ def _run(
         assets = {name: [asset.id for asset in upload_paths(client, path)] for name, path in inputs.items()}
         job = client.submit(kind, assets, params)
         stderr.print(f"[dim]job {job.id}[/]")
-        with stage_bar(title) as bar:
-            job = client.wait(job.id, on_event=lambda event: bar.update(event.stage, event.fraction, event.message))
+        job = follow(client, job, title)
         client.download(job, work)
     return get_kind(kind).result.model_validate(job.result)
 

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
+from shapery_client.cli._following import follow
 from shapery_client.cli._output import JsonOption, print_json, print_table, stage_bar, stderr, stdout
 from shapery_client.cli._server import KeyOption, OptionalServerOption, connect, upload_paths
 from shapery_contracts.errors import InvalidInput
@@ -91,8 +92,7 @@ def _on_server(
         assets = {name: [asset.id for asset in upload_paths(client, path)] for name, path in inputs.items()}
         job = client.submit("segmentation", assets, params)
         stderr.print(f"[dim]job {job.id}[/]")
-        with stage_bar("segment") as bar:
-            job = client.wait(job.id, on_event=lambda event: bar.update(event.stage, event.fraction, event.message))
+        job = follow(client, job, "segment")
         client.download(job, out)
     return SegmentationResult.model_validate(job.result)
 

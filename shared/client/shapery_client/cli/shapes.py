@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 import typer
 
 from shapery_client.cli._bank_server import index_on_server, search_on_server
+from shapery_client.cli._following import missing_workers_told
 from shapery_client.cli._output import REFUSED, JsonOption, print_json, print_table, stage_bar, stderr, stdout
 from shapery_client.cli._server import KeyOption, OptionalServerOption, connect
 from shapery_client.cli.collections import LabelOption, parse_labels
@@ -41,7 +42,11 @@ def index(
     With --server each becomes a shape of a collection, also where there is one of the same mesh.
     """
     if bank is None:
-        with connect(_needed(server), api_key) as client, stage_bar("index") as bar:
+        with (
+            connect(_needed(server), api_key) as client,
+            stage_bar("index") as bar,
+            missing_workers_told(client, "shape-index", bar),
+        ):
             outcomes = index_on_server(
                 client, meshes, collection, parse_labels(label), lambda f, text: bar.update("", f, text)
             )
