@@ -184,6 +184,7 @@ def test_numbering_without_gaps_is_taken(names: list[str]) -> None:
 
 
 @pytest.mark.data
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "bits"),
     [("chickenCrossing", 0.33), ("horse-gallop", 0.68), ("mmface4d-3k", 0.99), ("pcow", 1.5), ("pdance", 0.25)],
