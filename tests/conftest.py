@@ -7,6 +7,10 @@ from pathlib import Path
 
 import pytest
 
+# The tests run side by side, and a second thread of linear algebra on the same processors only waits for the first.
+# Read when NumPy is loaded, so it is said before; processes that tests start inherit it.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 ROOT = Path(__file__).resolve().parent.parent
 
 

@@ -16,6 +16,7 @@ from shapery_contracts.errors import InvalidInput
 from shapery_contracts.motion import DEFAULT_KG, MotionEncodeParams
 from shapery_geometry.mesh import IntArray
 from shapery_geometry.sequence import MeshSequence, SequenceFile
+from shapery_geometry.threads import one_blas_thread
 from shapery_motion.container.connectivity import pack_connectivity, sorted_faces
 from shapery_motion.container.corrections import Corrections, find_corrections
 from shapery_motion.container.header import (
@@ -85,6 +86,7 @@ def _ignore(_stage: str, _fraction: float) -> None:
     return
 
 
+@one_blas_thread()
 def encode(
     sequence: MeshSequence | SequenceFile,
     params: MotionEncodeParams | None = None,
