@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from shapery_retrieval.arg import Arg
     from shapery_retrieval.laid_out import Searchers
     from shapery_retrieval.search import Answer
+
+    PartNumbers = Sequence[NDArray[np.int64]]
 
 _FRACTIONS = {"normalise": 0.05, "describe": 0.15, "decompose": 0.6, "views": 0.75}
 WRITE = 0.85
@@ -104,13 +106,13 @@ class ShapeSearchHandler:
         seconds: dict[str, float] = {}
         start = time.perf_counter()
         context.stage("read", 0.0)
-        query = self._query(params, inputs, bank, context)
+        query, numbers = self._query(params, inputs, bank, context)
         seconds["index"] = time.perf_counter() - start
         if self._searchers is None:
             from shapery_retrieval.laid_out import Searchers
 
             self._searchers = Searchers()  # a process that answers many queries asks this very handler
-        result = search_bank(query, params, bank, context, seconds, self._searchers)
+        result = search_bank(query, params, bank, context, seconds, self._searchers, numbers)
         context.stage("write", 0.98)
         (context.output / "results.json").write_text(result.model_dump_json(indent=2))
         context.progress(1.0)
@@ -118,13 +120,14 @@ class ShapeSearchHandler:
 
     def _query(
         self, params: ShapeSearchParams, inputs: Mapping[str, Path], bank: ShapeBank, context: JobContext
-    ) -> Arg:
+    ) -> tuple[Arg, PartNumbers | None]:
         from shapery_geometry.mesh_io import read_mesh
         from shapery_retrieval.arg import Arg
         from shapery_retrieval.describe import describe
         from shapery_retrieval.report import write_views
-        from shapery_retrieval.search import region_of
+        from shapery_retrieval.search import parts_in, region_of
 
+        shares: list[NDArray[np.float64]] | None = None
         if params.shape_id is not None and not (params.region is not None and "mesh" in inputs):
             if params.region is not None:
                 raise InvalidInput("invalid_params", "A region is of the faces of a mesh, which was not given.")
@@ -140,12 +143,12 @@ class ShapeSearchHandler:
             write_views(mesh, found, context.output)
             query = found.arg
             if params.region is not None:
-                query = region_of(query, found.region_shares(mesh, params.region))
+                shares = found.region_shares(mesh, params.region)
         else:
             raise InvalidInput("missing_input", "Give a mesh, or name a stored shape.")
         if params.parts is not None:
-            query = region_of(query, _shares_of_parts(query, params.parts))
-        return query
+            shares = _shares_of_parts(query, params.parts)
+        return (query, None) if shares is None else (region_of(query, shares), parts_in(query, shares))
 
 
 def search_bank(
@@ -155,6 +158,7 @@ def search_bank(
     context: JobContext | None,
     seconds: dict[str, float],
     searchers: Searchers | None = None,
+    numbers: PartNumbers | None = None,
 ) -> ShapeSearchResult:
     """Search a bank with a graph.
 
@@ -172,6 +176,8 @@ def search_bank(
         Time of earlier stages.
     searchers
         What earlier queries have read; none where the ids of the bank may come to mean other graphs.
+    numbers
+        For each level what the query's parts are called in the hits; by default by their place.
     """
     from shapery_retrieval.laid_out import Searchers
     from shapery_retrieval.vector import vector_of
@@ -197,12 +203,12 @@ def search_bank(
         mode="partial" if partial else "global",
         candidates=answer.compared,
         cues={name: round(weight, 4) for name, weight in answer.cues.items()},
-        hits=_hits(answer),
+        hits=_hits(answer, numbers),
         stages=[IndexStage(name=name, seconds=round(value, 4)) for name, value in seconds.items()],
     )
 
 
-def _hits(answer: Answer) -> list[ShapeHit]:
+def _hits(answer: Answer, numbers: PartNumbers | None) -> list[ShapeHit]:
     hits = []
     for hit in answer.hits:
         best = next(level for level in hit.match.levels if level.level == hit.match.best_level)
@@ -212,7 +218,10 @@ def _hits(answer: Answer) -> list[ShapeHit]:
                 score=min(max(hit.score, 0.0), 1.0),
                 level=best.level,
                 level_scores=[round(level.score, 6) for level in hit.match.levels],
-                matches=[PartMatch(query=i, found=j, weight=round(w, 6)) for i, j, w in best.pairs()],
+                matches=[
+                    PartMatch(query=i if numbers is None else int(numbers[best.level][i]), found=j, weight=round(w, 6))
+                    for i, j, w in best.pairs()
+                ],
             )
         )
     return hits

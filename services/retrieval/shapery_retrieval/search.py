@@ -236,8 +236,8 @@ def fused_scores(query: Mapping[str, Array], bank: Mapping[str, Array]) -> Array
     return np.asarray(sum(float(weights[group]) * groups[group] for group in groups))
 
 
-def region_of(arg: Arg, shares: Sequence[Array]) -> Arg:
-    """Return the graph of a region: on each level the parts of which at least half lies in it, or the fullest one.
+def parts_in(arg: Arg, shares: Sequence[Array]) -> list[NDArray[np.int64]]:
+    """Return for each level the numbers of the parts of which at least half lies in a region, or of the fullest one.
 
     Parameters
     ----------
@@ -246,11 +246,23 @@ def region_of(arg: Arg, shares: Sequence[Array]) -> Arg:
     shares
         For each level the (k,) share of each part's area that lies in the region.
     """
-    levels = list(arg.levels[:1])
+    numbers = [np.arange(arg.levels[0].parts)]
     for level, share in zip(arg.levels[1:], shares[1:], strict=True):
-        keep = share >= 0.5
-        if not keep.any():
-            keep[int(np.argmax(share * level.masses))] = True
+        inside = np.flatnonzero(share >= 0.5)
+        numbers.append(inside if len(inside) else np.array([np.argmax(share * level.masses)]))
+    return numbers
+
+
+def region_of(arg: Arg, shares: Sequence[Array]) -> Arg:
+    """Return the graph of a region, whose parts on each level are those of `parts_in`, in their order.
+
+    Parameters
+    ----------
+    arg, shares
+        As for `parts_in`.
+    """
+    levels = list(arg.levels[:1])
+    for level, share, keep in zip(arg.levels[1:], shares[1:], parts_in(arg, shares)[1:], strict=True):
         masses = level.masses[keep] * np.maximum(share[keep], 0.5)
         levels.append(
             replace(

@@ -141,7 +141,7 @@ class PartMatch(BaseModel):
     """Two parts that the matching put together."""
 
     query: int
-    """Part of the query, at the hit's level."""
+    """Part of the query, at the hit's level; of the whole one's, where a region of it was searched with."""
     found: int
     """Part of the found shape, at the same level."""
     weight: float

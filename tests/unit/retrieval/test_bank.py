@@ -177,8 +177,12 @@ def test_searching_by_mesh_by_region_and_by_name(tmp_path: Path, bank: LocalBank
     assert len(part.hits[0].matches) < 32
 
     (tmp_path / "name").mkdir()
-    named = handler.run(ShapeSearchParams(shape_id="egg", parts=[0, 1, 2]), {}, Context(tmp_path / "name", bank))
+    named = handler.run(ShapeSearchParams(shape_id="egg", parts=[9, 30, 11]), {}, Context(tmp_path / "name", bank))
     assert [hit.shape_id for hit in named.hits] == ["torus"]
+    # parts keep the numbers that they have in the whole shape
+    finest = Arg.from_bytes(bank.args(["egg"])["egg"]).levels[2]
+    known = {1: set(finest.parents[[9, 11, 30]].tolist()), 2: {9, 11, 30}}
+    assert all({match.query for match in hit.matches} <= known[hit.level] for hit in named.hits)
     assert [path.name for path in (tmp_path / "name" / "output").iterdir()] == ["results.json"]
 
 

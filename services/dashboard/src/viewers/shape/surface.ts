@@ -1,0 +1,178 @@
+import type { ShapeMesh } from "./glb";
+
+export type Vector = readonly [number, number, number];
+
+/** What follows from a mesh alone: areas, middles, and which faces touch. */
+export interface Surface extends ShapeMesh {
+  /** Area of each face. */
+  areas: Float64Array;
+  /** x, y and z of the middle of each face. */
+  middles: Float32Array;
+  area: number;
+}
+
+export function surfaceOf({ positions, faces }: ShapeMesh): Surface {
+  const count = faces.length / 3;
+  const areas = new Float64Array(count);
+  const middles = new Float32Array(3 * count);
+  let area = 0;
+  for (let f = 0; f < count; f += 1) {
+    const [a, b, c] = corners(positions, faces, f);
+    const one = minus(b, a);
+    const two = minus(c, a);
+    const normal = cross(one, two);
+    areas[f] = Math.hypot(...normal) / 2;
+    area += areas[f] as number;
+    for (let k = 0; k < 3; k += 1) {
+      middles[3 * f + k] = ((a[k] as number) + (b[k] as number) + (c[k] as number)) / 3;
+    }
+  }
+  return { positions, faces, areas, middles, area };
+}
+
+/**
+ * The mesh in its principal frame: centered, the axes of its second moments along x, y and z with the longest first,
+ * the heavier side of each to the front, and as large as a ball of radius 1. So the picture of a shape and its view in
+ * space show the same side, and two shapes of one kind lie alike.
+ */
+export function inPrincipalFrame(mesh: ShapeMesh): ShapeMesh {
+  const { positions, faces, areas, middles, area } = surfaceOf(mesh);
+  const center: [number, number, number] = [0, 0, 0];
+  for (let f = 0; f < areas.length; f += 1) {
+    for (let k = 0; k < 3; k += 1) {
+      center[k] = (center[k] as number) + ((areas[f] as number) * (middles[3 * f + k] as number)) / (area || 1);
+    }
+  }
+  const moments = new Float64Array(9);
+  for (let f = 0; f < areas.length; f += 1) {
+    const weight = areas[f] as number;
+    const middle = minus([0, 1, 2].map((k) => middles[3 * f + k] as number) as unknown as Vector, center);
+    const points = corners(positions, faces, f).map((corner) => minus(corner, center));
+    for (let i = 0; i < 3; i += 1) {
+      for (let j = 0; j < 3; j += 1) {
+        // exact for linear functions squared over triangles: (9 m mᵀ + Σ c cᵀ) / 12
+        let value = 9 * (middle[i] as number) * (middle[j] as number);
+        for (const point of points) value += (point[i] as number) * (point[j] as number);
+        moments[3 * i + j] = (moments[3 * i + j] as number) + weight * value;
+      }
+    }
+  }
+  const axes = principalAxes(moments);
+  const skew = [0, 0, 0];
+  for (let f = 0; f < areas.length; f += 1) {
+    const middle = minus([0, 1, 2].map((k) => middles[3 * f + k] as number) as unknown as Vector, center);
+    for (let k = 0; k < 3; k += 1) {
+      skew[k] = (skew[k] as number) + (areas[f] as number) * dot(middle, axes[k] as Vector) ** 3;
+    }
+  }
+  const signs = skew.map((value) => (value < 0 ? -1 : 1));
+  const turn = dot(cross(axes[0] as Vector, axes[1] as Vector), axes[2] as Vector);
+  if ((signs[0] as number) * (signs[1] as number) * (signs[2] as number) * turn < 0) signs[2] = -(signs[2] as number);
+  const placed = new Float32Array(positions.length);
+  let radius = 0;
+  for (let v = 0; v < positions.length / 3; v += 1) {
+    const point = minus(vertex(positions, v), center);
+    radius = Math.max(radius, Math.hypot(...point));
+    for (let k = 0; k < 3; k += 1) placed[3 * v + k] = (signs[k] as number) * dot(point, axes[k] as Vector);
+  }
+  if (radius > 0) for (let i = 0; i < placed.length; i += 1) placed[i] = (placed[i] as number) / radius;
+  return { positions: placed, faces };
+}
+
+/** Eigenvectors of a symmetric 3 × 3 matrix, that of the largest eigenvalue first (Jacobi's rotations). */
+export function principalAxes(matrix: ArrayLike<number>): [Vector, Vector, Vector] {
+  const a = Float64Array.from(matrix);
+  const v = Float64Array.from([1, 0, 0, 0, 1, 0, 0, 0, 1]);
+  const at = (m: Float64Array, i: number, j: number) => m[3 * i + j] as number;
+  for (let sweep = 0; sweep < 50; sweep += 1) {
+    const rest = Math.abs(at(a, 0, 1)) + Math.abs(at(a, 0, 2)) + Math.abs(at(a, 1, 2));
+    if (rest <= 1e-14 * (Math.abs(at(a, 0, 0)) + Math.abs(at(a, 1, 1)) + Math.abs(at(a, 2, 2)))) break;
+    for (const [p, q] of [
+      [0, 1],
+      [0, 2],
+      [1, 2],
+    ] as const) {
+      if (at(a, p, q) === 0) continue;
+      const theta = (at(a, q, q) - at(a, p, p)) / (2 * at(a, p, q));
+      const t = (theta >= 0 ? 1 : -1) / (Math.abs(theta) + Math.sqrt(theta * theta + 1));
+      const c = 1 / Math.sqrt(t * t + 1);
+      const s = t * c;
+      for (let k = 0; k < 3; k += 1) {
+        const [kp, kq] = [at(a, k, p), at(a, k, q)];
+        a[3 * k + p] = c * kp - s * kq;
+        a[3 * k + q] = s * kp + c * kq;
+      }
+      for (let k = 0; k < 3; k += 1) {
+        const [pk, qk] = [at(a, p, k), at(a, q, k)];
+        a[3 * p + k] = c * pk - s * qk;
+        a[3 * q + k] = s * pk + c * qk;
+        const [vp, vq] = [at(v, k, p), at(v, k, q)];
+        v[3 * k + p] = c * vp - s * vq;
+        v[3 * k + q] = s * vp + c * vq;
+      }
+    }
+  }
+  const order = [0, 1, 2].sort((i, j) => at(a, j, j) - at(a, i, i));
+  const column = (k: number): Vector => [at(v, 0, k), at(v, 1, k), at(v, 2, k)];
+  return order.map(column) as unknown as [Vector, Vector, Vector];
+}
+
+/** The part of each face: that of most of its corners, of the first where all differ. */
+export function faceParts(faces: Uint32Array, labels: ArrayLike<number>): Int32Array {
+  const parts = new Int32Array(faces.length / 3);
+  for (let f = 0; f < parts.length; f += 1) {
+    const [a, b, c] = [0, 1, 2].map((k) => labels[faces[3 * f + k] as number] ?? 0) as [number, number, number];
+    parts[f] = b === c ? b : a;
+  }
+  return parts;
+}
+
+/**
+ * Where each part is: the middle of its area, moved to the middle of its own nearest face, so that the node of a bent
+ * part lies on it; null for a part without faces (too small for the reduced mesh).
+ */
+export function partCenters(surface: Surface, parts: Int32Array, count: number): (Vector | null)[] {
+  const sums = Array.from({ length: count }, () => [0, 0, 0, 0]);
+  for (let f = 0; f < parts.length; f += 1) {
+    const sum = sums[parts[f] as number];
+    if (!sum) continue;
+    const weight = surface.areas[f] as number;
+    for (let k = 0; k < 3; k += 1) sum[k] = (sum[k] as number) + weight * (surface.middles[3 * f + k] as number);
+    sum[3] = (sum[3] as number) + weight;
+  }
+  const best = new Float64Array(count).fill(Number.POSITIVE_INFINITY);
+  const centers = new Array<Vector | null>(count).fill(null);
+  for (let f = 0; f < parts.length; f += 1) {
+    const part = parts[f] as number;
+    const sum = sums[part];
+    if (!sum) continue;
+    const middle = [0, 1, 2].map((k) => surface.middles[3 * f + k] as number) as unknown as Vector;
+    const mass = (sum[3] as number) || 1;
+    const away = Math.hypot(...[0, 1, 2].map((k) => (middle[k] as number) - (sum[k] as number) / mass));
+    if (away < (best[part] as number)) {
+      best[part] = away;
+      centers[part] = middle;
+    }
+  }
+  return centers;
+}
+
+function vertex(positions: Float32Array, v: number): Vector {
+  return [positions[3 * v] as number, positions[3 * v + 1] as number, positions[3 * v + 2] as number];
+}
+
+function corners(positions: Float32Array, faces: Uint32Array, f: number): [Vector, Vector, Vector] {
+  return [0, 1, 2].map((k) => vertex(positions, faces[3 * f + k] as number)) as [Vector, Vector, Vector];
+}
+
+function minus(a: Vector, b: Vector): Vector {
+  return [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+}
+
+function dot(a: Vector, b: Vector): number {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+function cross(a: Vector, b: Vector): Vector {
+  return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+}
