@@ -66,6 +66,23 @@ afterEach(() => {
 });
 
 describe("UploadManager", () => {
+  it("tells when some of its uploads are over", async () => {
+    const { manager, attempts } = setUp();
+    const ids = await manager.add([parcel("a"), parcel("b"), parcel("c")]);
+    await manager.add([parcel("other")]);
+    let over: string[] | null = null;
+    void manager.settled(ids).then((items) => (over = items.map(({ name, state }) => `${name} ${state}`)));
+    await settle();
+    attempts[0]?.resolve("asset");
+    attempts[1]?.reject(new ApiError(422, "corrupt_file", "It is broken.", ""));
+    await settle();
+    manager.clearDone(); // what was done before stays known
+    expect(over).toBeNull();
+    await manager.remove(ids[2] ?? "");
+    await settle();
+    expect(over).toEqual(["a done", "b failed"]);
+  });
+
   it("uploads three at once and then the next", async () => {
     const { manager, attempts, states } = setUp();
     await manager.add(["a", "b", "c", "d", "e"].map((name) => parcel(name)));

@@ -20,6 +20,8 @@ OTHER_PAGES = {
     "/batches/new": "New batch",
     "/settings": "Make a key",
     "/motion": "Compress a motion",
+    "/shapes": "Add shapes",
+    "/shapes/search": "Drop a mesh here",
 }
 """Pages that need nothing done first, and a text that is there when they are."""
 SIZES = [(1280, 720), (820, 1180)]

@@ -284,6 +284,8 @@ def test_the_sdk_and_the_command_line_say_the_same(bench: Bench, tmp_path: Path)
         assert (tmp_path / "fetched" / "mesh.glb").read_bytes() == fake.files(55)["mesh.glb"]
         by_id = json.loads(shapery("search", shape.id, "--collection", "fibonacci", "--limit", 3, "--json"))
         assert [hit["shape_id"] for hit in by_id["hits"]] == [hit.shape_id for hit in by_shape.hits]
+        by_parts = json.loads(shapery("search", shape.id, "--limit", 3, "--part", 1, "--part", 2, "--json"))
+        assert len(by_parts["hits"]) == 3
         found = shapery("search", mesh, "--label", "by:hand")
         assert str(shape.id) in found
         assert "guest" in found

@@ -11,7 +11,7 @@ import {
 } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { Link, Outlet } from "@tanstack/react-router";
-import { Film, KeyRound, Layers, ListChecks, LogOut, Moon, Settings, Sun, Upload, WifiOff } from "lucide-react";
+import { Film, KeyRound, Layers, ListChecks, LogOut, Moon, Settings, Shapes, Sun, Upload, WifiOff } from "lucide-react";
 import { connection } from "@/api/connection";
 import { infoQuery } from "@/api/queries";
 import { session, signOut } from "@/api/session";
@@ -25,6 +25,7 @@ const PAGES = [
   { to: "/upload", label: "Upload", icon: Upload },
   { to: "/jobs", label: "Jobs", icon: ListChecks },
   { to: "/batches", label: "Batches", icon: Layers },
+  { to: "/shapes", label: "Shapes", icon: Shapes },
   { to: "/motion", label: "Motion", icon: Film },
 ] as const;
 

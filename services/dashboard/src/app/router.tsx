@@ -2,6 +2,7 @@ import { Text } from "@mantine/core";
 import { createRootRoute, createRoute, createRouter, lazyRouteComponent } from "@tanstack/react-router";
 import { Compass } from "lucide-react";
 import { JOB_STATES, type JobState } from "@/api/types";
+import { readAddress } from "@/features/shapes/searching";
 import { LinkButton } from "./links";
 import { Empty, Failure, Waiting } from "./Notice";
 import { Page } from "./Page";
@@ -86,6 +87,45 @@ const motionRoute = createRoute({
   component: lazyRouteComponent(() => import("@/features/motion/MotionPage"), "MotionPage"),
 });
 
+/** A collection may well be called 2024. */
+const text = (value: unknown): string | undefined =>
+  typeof value === "string" || typeof value === "number" ? String(value) : undefined;
+const texts = (value: unknown): string[] =>
+  Array.isArray(value) ? value.filter((text) => typeof text === "string") : typeof value === "string" ? [value] : [];
+
+/** Which shapes of the bank are shown. */
+export interface ShapesSearch {
+  collection?: string | undefined;
+  labels?: string[];
+  name?: string | undefined;
+  outdated?: boolean;
+}
+
+const shapesRoute = createRoute({
+  getParentRoute: () => root,
+  path: "/shapes",
+  validateSearch: ({ collection, labels, name, outdated }: Record<string, unknown>): ShapesSearch => ({
+    ...(text(collection) === undefined ? {} : { collection: text(collection) }),
+    ...(texts(labels).length > 0 ? { labels: texts(labels) } : {}),
+    ...(text(name) === undefined ? {} : { name: text(name) }),
+    ...(outdated === true ? { outdated } : {}),
+  }),
+  component: lazyRouteComponent(() => import("@/features/shapes/ShapesPage"), "ShapesPage"),
+});
+
+const shapeSearchRoute = createRoute({
+  getParentRoute: () => root,
+  path: "/shapes/search",
+  validateSearch: readAddress,
+  component: lazyRouteComponent(() => import("@/features/shapes/SearchPage"), "SearchPage"),
+});
+
+const shapeRoute = createRoute({
+  getParentRoute: () => root,
+  path: "/shapes/$shapeId",
+  component: lazyRouteComponent(() => import("@/features/shapes/ShapePage"), "ShapePage"),
+});
+
 const settingsRoute = createRoute({
   getParentRoute: () => root,
   path: "/settings",
@@ -102,6 +142,9 @@ export const router = createRouter({
     newBatchRoute,
     batchRoute,
     motionRoute,
+    shapesRoute,
+    shapeSearchRoute,
+    shapeRoute,
     settingsRoute,
   ]),
   defaultPreload: "intent",

@@ -79,6 +79,9 @@ def search(
     rerank: Annotated[bool, typer.Option(help="Let the order follow how the found resemble each other, too.")] = False,
     collection: Annotated[str | None, typer.Option(help="On a server: only shapes of this collection.")] = None,
     label: LabelOption = None,
+    part: Annotated[
+        list[int] | None, typer.Option(min=0, help="On a server: search with these parts of the query's finest level.")
+    ] = None,
     server: OptionalServerOption = None,
     api_key: KeyOption = None,
     json: JsonOption = False,
@@ -90,7 +93,7 @@ def search(
         labels = parse_labels(label)
         with connect(_needed(server), api_key) as client:
             result = search_on_server(
-                client, mesh, mode=mode, collection=collection, labels=labels, limit=limit, rerank=rerank
+                client, mesh, mode=mode, collection=collection, labels=labels, limit=limit, rerank=rerank, parts=part
             )
         names = {hit.shape_id: f"{hit.shape_id}  {hit.shape.name}" for hit in result.hits}
     else:

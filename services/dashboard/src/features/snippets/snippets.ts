@@ -1,4 +1,4 @@
-import type { BatchCreate, JobCreate } from "@/api/types";
+import type { BatchCreate, JobCreate, SearchRequest } from "@/api/types";
 
 /** The same request in three languages. */
 export interface Snippets {
@@ -82,6 +82,52 @@ export function batchSnippets({ kind, params, items }: BatchCreate, target: Targ
       ],
       target,
       { own: ["from shapery_contracts.api import BatchItem"] },
+    ),
+  };
+}
+
+/** Search by a stored shape, or by a mesh: an asset over HTTP, its file on the command line. */
+export function searchSnippets(request: SearchRequest, target: Target, filename = "mesh.ply"): Snippets {
+  const { shape_id, asset_id, parts, mode, collection, labels, limit, rerank } = request;
+  const own = Object.entries(labels);
+  const partial = mode === "partial" && !parts;
+  return {
+    curl: curl("/v1/search", target, {
+      ...(shape_id ? { shape_id } : { asset_id }),
+      ...(parts ? { parts } : {}),
+      ...(partial ? { mode } : {}),
+      ...(collection ? { collection } : {}),
+      ...(own.length > 0 ? { labels } : {}),
+      limit,
+      ...(rerank ? { rerank } : {}),
+    }),
+    command: command(
+      [
+        `search ${shellWord(shape_id ?? filename)}`,
+        ...(parts ?? []).map((part) => `--part ${part}`),
+        ...(partial ? ["--partial"] : []),
+        ...(collection ? [`--collection ${shellWord(collection)}`] : []),
+        ...own.map(([name, value]) => `--label ${shellWord(`${name}:${value}`)}`),
+        `--limit ${limit}`,
+        ...(rerank ? ["--rerank"] : []),
+      ],
+      target,
+    ),
+    python: python(
+      [
+        `answer = shapery.search(${[
+          shape_id ? `shape=${literal(shape_id)}` : `asset=${literal(asset_id)}`,
+          ...(parts ? [`parts=${literal(parts)}`] : []),
+          ...(partial ? ['mode="partial"'] : []),
+          ...(collection ? [`collection=${literal(collection)}`] : []),
+          ...(own.length > 0 ? [`labels=${literal(labels)}`] : []),
+          `limit=${limit}`,
+          ...(rerank ? ["rerank=True"] : []),
+        ].join(", ")})`,
+        "for hit in answer.hits:",
+        "    print(round(hit.score, 3), hit.shape.name)",
+      ],
+      target,
     ),
   };
 }

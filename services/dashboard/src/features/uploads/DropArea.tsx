@@ -4,8 +4,20 @@ import { type DragEvent, useEffect, useRef, useState } from "react";
 import { chosenFiles, droppedFiles, type Picked } from "./gather";
 import classes from "./uploads.module.css";
 
-/** Takes files and folders, dropped anywhere on the page or chosen with the keyboard. */
-export function DropArea({ onPicked, limit }: { onPicked: (picked: Picked[]) => void; limit?: string | undefined }) {
+interface DropAreaProps {
+  onPicked: (picked: Picked[]) => void;
+  title?: string;
+  says?: string;
+  limit?: string | undefined;
+}
+
+/** Takes files and folders, dropped or chosen with the keyboard. */
+export function DropArea({
+  onPicked,
+  title = "Drop volumes here",
+  says = "NIfTI, NRRD, MetaImage or DICOM: files, a zip, or a folder of slices.",
+  limit,
+}: DropAreaProps) {
   const [over, setOver] = useState(false);
   const files = useRef<HTMLInputElement>(null);
   const folder = useRef<HTMLInputElement>(null);
@@ -47,9 +59,9 @@ export function DropArea({ onPicked, limit }: { onPicked: (picked: Picked[]) => 
       onDrop={drop}
     >
       <UploadCloud size={30} strokeWidth={1.5} aria-hidden="true" className={classes.cloud} />
-      <Text fw={600}>Drop volumes here</Text>
+      <Text fw={600}>{title}</Text>
       <Text size="sm" c="dimmed" maw={440}>
-        NIfTI, NRRD, MetaImage or DICOM: files, a zip, or a folder of slices.
+        {says}
         {limit ? ` Up to ${limit} each.` : ""} An interrupted upload goes on where it stopped.
       </Text>
       <Group gap="xs" mt="sm" justify="center">

@@ -66,9 +66,25 @@ export class UploadManager {
     this.#dependencies = dependencies;
   }
 
-  /** Upload what was gathered; a file that an interrupted upload waits for continues that upload. */
-  async add(parcels: readonly Parcel[]): Promise<void> {
-    await Promise.all(parcels.map((parcel) => this.#accept(parcel)));
+  /** Upload what was gathered, and tell as what; a file that an interrupted upload waits for continues that upload. */
+  async add(parcels: readonly Parcel[]): Promise<string[]> {
+    const ids = await Promise.all(parcels.map((parcel) => this.#accept(parcel)));
+    return ids.filter((id) => id !== null);
+  }
+
+  /** Wait until each of some uploads is done, has failed or was removed before it was done, which leaves it out. */
+  async settled(ids: readonly string[]): Promise<UploadItem[]> {
+    const over = new Map<string, UploadItem>();
+    await this.#when(() => {
+      const there = new Map(this.items.get().map((item) => [item.id, item]));
+      for (const id of ids) {
+        const item = there.get(id);
+        if (item?.state === "done" || item?.state === "failed") over.set(id, item);
+        else if (item) over.delete(id); // it is tried again
+      }
+      return ids.every((id) => over.has(id) || !there.has(id));
+    });
+    return ids.flatMap((id) => over.get(id) ?? []);
   }
 
   /** Take up what an earlier visit has left unfinished. */
@@ -138,7 +154,7 @@ export class UploadManager {
     this.items.set(this.items.get().filter((item) => item.state !== "done"));
   }
 
-  async #accept(parcel: Parcel): Promise<void> {
+  async #accept(parcel: Parcel): Promise<string | null> {
     this.#counter += 1;
     const id = `${this.#dependencies.now().toString(36)}-${this.#counter}-${Math.random().toString(36).slice(2, 8)}`;
     const record: UploadRecord = {
@@ -159,7 +175,7 @@ export class UploadManager {
         content = await zip(parcel.files, (fraction) => this.#change(id, { sent: fraction * record.size }), signal);
       } catch (error) {
         if (!signal.aborted) this.#change(id, { state: "failed", error: describe(error) });
-        return;
+        return signal.aborted ? null : id;
       }
     }
     const waiting = this.items
@@ -169,17 +185,18 @@ export class UploadManager {
       this.items.set(this.items.get().filter((item) => item.id !== id));
       this.#inner.delete(id);
       await this.continueWith(waiting.id, content);
-      return;
+      return waiting.id;
     }
     record.size = content.size;
     if (parcel.type === "file") this.#insert(record, "queued", 0);
     else this.#change(id, { state: "queued", size: content.size, sent: 0 });
     const inner = this.#inner.get(id);
-    if (!inner) return;
+    if (!inner) return null;
     inner.content = content;
     this.#dependencies.keep.save(record);
     void this.#dependencies.keep.saveContent(id, content);
     void this.#dependencies.exclusively(id, () => this.#run(id));
+    return id;
   }
 
   #insert(record: UploadRecord, state: UploadState, files: number): void {

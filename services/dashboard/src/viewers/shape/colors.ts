@@ -9,7 +9,7 @@ export const TAKEN: Rgb = [0.62, 0.5, 0.33];
 
 /** Colors that neighbouring numbers do not share: the hue turns by the golden ratio, and lightness alternates. */
 export function partColor(part: number): Rgb {
-  return fromHsl((part * 0.618034 + 0.08) % 1, 0.62, part % 2 === 0 ? 0.64 : 0.52);
+  return fromHsl((part * 0.618034 + 0.08) % 1, 0.55, part % 2 === 0 ? 0.66 : 0.54);
 }
 
 /** The same as CSS writes it. */

@@ -46,7 +46,7 @@ export function inPrincipalFrame(mesh: ShapeMesh): ShapeMesh {
   const moments = new Float64Array(9);
   for (let f = 0; f < areas.length; f += 1) {
     const weight = areas[f] as number;
-    const middle = minus([0, 1, 2].map((k) => middles[3 * f + k] as number) as unknown as Vector, center);
+    const middle = minus(vertexOf(middles, f), center);
     const points = corners(positions, faces, f).map((corner) => minus(corner, center));
     for (let i = 0; i < 3; i += 1) {
       for (let j = 0; j < 3; j += 1) {
@@ -60,18 +60,18 @@ export function inPrincipalFrame(mesh: ShapeMesh): ShapeMesh {
   const axes = principalAxes(moments);
   const skew = [0, 0, 0];
   for (let f = 0; f < areas.length; f += 1) {
-    const middle = minus([0, 1, 2].map((k) => middles[3 * f + k] as number) as unknown as Vector, center);
+    const middle = minus(vertexOf(middles, f), center);
     for (let k = 0; k < 3; k += 1) {
       skew[k] = (skew[k] as number) + (areas[f] as number) * dot(middle, axes[k] as Vector) ** 3;
     }
   }
-  const signs = skew.map((value) => (value < 0 ? -1 : 1));
-  const turn = dot(cross(axes[0] as Vector, axes[1] as Vector), axes[2] as Vector);
+  const signs: number[] = skew.map((value) => (value < 0 ? -1 : 1));
+  const turn = dot(cross(axes[0], axes[1]), axes[2]);
   if ((signs[0] as number) * (signs[1] as number) * (signs[2] as number) * turn < 0) signs[2] = -(signs[2] as number);
   const placed = new Float32Array(positions.length);
   let radius = 0;
   for (let v = 0; v < positions.length / 3; v += 1) {
-    const point = minus(vertex(positions, v), center);
+    const point = minus(vertexOf(positions, v), center);
     radius = Math.max(radius, Math.hypot(...point));
     for (let k = 0; k < 3; k += 1) placed[3 * v + k] = (signs[k] as number) * dot(point, axes[k] as Vector);
   }
@@ -117,6 +117,40 @@ export function principalAxes(matrix: ArrayLike<number>): [Vector, Vector, Vecto
   return order.map(column) as unknown as [Vector, Vector, Vector];
 }
 
+/**
+ * A normal for each corner of each face: the mean of those faces around its vertex that bend away by less than a crease,
+ * so that round is shown round and edges stay sharp.
+ */
+export function cornerNormals({ positions, faces }: ShapeMesh, crease = 0.7): Float32Array {
+  const count = faces.length / 3;
+  const weighted = new Float64Array(3 * count);
+  const lengths = new Float64Array(count);
+  for (let f = 0; f < count; f += 1) {
+    const [a, b, c] = corners(positions, faces, f);
+    const normal = cross(minus(b, a), minus(c, a));
+    weighted.set(normal, 3 * f);
+    lengths[f] = Math.hypot(...normal);
+  }
+  const around = Array.from({ length: positions.length / 3 }, (): number[] => []);
+  for (let i = 0; i < faces.length; i += 1) around[faces[i] as number]?.push(Math.floor(i / 3));
+  const normals = new Float32Array(9 * count);
+  for (let i = 0; i < faces.length; i += 1) {
+    const own = vertexOf(weighted, Math.floor(i / 3));
+    const ownLength = (lengths[Math.floor(i / 3)] as number) || 1;
+    let [x, y, z] = [0, 0, 0];
+    for (const f of around[faces[i] as number] ?? []) {
+      const other = vertexOf(weighted, f);
+      if (dot(own, other) < crease * ownLength * (lengths[f] as number)) continue;
+      x += other[0];
+      y += other[1];
+      z += other[2];
+    }
+    const length = Math.hypot(x, y, z) || 1;
+    normals.set([x / length, y / length, z / length], 3 * i);
+  }
+  return normals;
+}
+
 /** The part of each face: that of most of its corners, of the first where all differ. */
 export function faceParts(faces: Uint32Array, labels: ArrayLike<number>): Int32Array {
   const parts = new Int32Array(faces.length / 3);
@@ -146,7 +180,7 @@ export function partCenters(surface: Surface, parts: Int32Array, count: number):
     const part = parts[f] as number;
     const sum = sums[part];
     if (!sum) continue;
-    const middle = [0, 1, 2].map((k) => surface.middles[3 * f + k] as number) as unknown as Vector;
+    const middle = vertexOf(surface.middles, f);
     const mass = (sum[3] as number) || 1;
     const away = Math.hypot(...[0, 1, 2].map((k) => (middle[k] as number) - (sum[k] as number) / mass));
     if (away < (best[part] as number)) {
@@ -157,12 +191,12 @@ export function partCenters(surface: Surface, parts: Int32Array, count: number):
   return centers;
 }
 
-function vertex(positions: Float32Array, v: number): Vector {
-  return [positions[3 * v] as number, positions[3 * v + 1] as number, positions[3 * v + 2] as number];
+function vertexOf(values: Float32Array | Float64Array, v: number): Vector {
+  return [values[3 * v] as number, values[3 * v + 1] as number, values[3 * v + 2] as number];
 }
 
 function corners(positions: Float32Array, faces: Uint32Array, f: number): [Vector, Vector, Vector] {
-  return [0, 1, 2].map((k) => vertex(positions, faces[3 * f + k] as number)) as [Vector, Vector, Vector];
+  return [0, 1, 2].map((k) => vertexOf(positions, faces[3 * f + k] as number)) as [Vector, Vector, Vector];
 }
 
 function minus(a: Vector, b: Vector): Vector {

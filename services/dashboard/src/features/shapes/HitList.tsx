@@ -1,0 +1,55 @@
+import { Tooltip } from "@mantine/core";
+import type { SearchHit } from "@/api/types";
+import { ShapePicture } from "./ShapePicture";
+import classes from "./shape.module.css";
+
+interface HitListProps {
+  hits: readonly SearchHit[];
+  chosen: string | null;
+  onChoose: (id: string) => void;
+}
+
+/** What was found, best first; the chosen one is shown beside the query. */
+export function HitList({ hits, chosen, onChoose }: HitListProps) {
+  return (
+    <ol className={classes.hits} aria-label="Found shapes, best first">
+      {hits.map((hit, index) => (
+        <li key={hit.shape_id} data-hit={hit.shape.name}>
+          <Tooltip label={scores(hit)} openDelay={600} position="left" multiline maw={260}>
+            <button
+              type="button"
+              className={classes.hit}
+              aria-pressed={hit.shape_id === chosen}
+              aria-label={`${index + 1}: ${hit.shape.name}, score ${hit.score.toFixed(2)}`}
+              onClick={() => onChoose(hit.shape_id)}
+            >
+              <ShapePicture shape={hit.shape} size={68} />
+              <span style={{ minWidth: 0 }}>
+                <span className={classes.title}>
+                  {index + 1}. {hit.shape.name || "Without a name"}
+                </span>
+                <span className={classes.score}>
+                  {hit.score.toFixed(2)}
+                  <span className={classes.bar} aria-hidden="true">
+                    <span style={{ width: `${100 * hit.score}%` }} />
+                  </span>
+                </span>
+                <span className={classes.small}>{best(hit)}</span>
+              </span>
+            </button>
+          </Tooltip>
+        </li>
+      ))}
+    </ol>
+  );
+}
+
+/** The level that fits best, in words. */
+export function best({ level, level_scores }: Pick<SearchHit, "level" | "level_scores">): string {
+  const finest = level >= level_scores.length - 1;
+  return `level ${level}, ${finest ? "fine" : "coarse"} parts`;
+}
+
+function scores({ level_scores }: SearchHit): string {
+  return `By level: ${level_scores.map((score, level) => `${level === 0 ? "whole" : level}: ${score.toFixed(2)}`).join(", ")}`;
+}

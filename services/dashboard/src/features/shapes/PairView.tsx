@@ -1,0 +1,135 @@
+import { ActionIcon, Stack, Text, Tooltip } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { Brush as BrushIcon, ExternalLink } from "lucide-react";
+import { lazy, Suspense, useMemo, useState } from "react";
+import type { SearchHit } from "@/api/types";
+import { LinkButton } from "@/app/links";
+import { Waiting } from "@/app/Notice";
+import { matchedColors, PAINT, type Rgb, UNMATCHED } from "@/viewers/shape/colors";
+import { modelQuery } from "@/viewers/shape/model";
+import { ViewLink } from "@/viewers/shape/ViewLink";
+import { NoWebGL } from "@/viewers/ViewerFrame";
+import { hasWebGL } from "@/viewers/webgl";
+import { colorLevel, colorParts } from "./coloring";
+import { best } from "./HitList";
+import { PaintPanel } from "./PaintPanel";
+import type { SearchAddress } from "./searching";
+import classes from "./shape.module.css";
+import { finest, usePainting } from "./usePainting";
+
+const ShapeViewer = lazy(async () => ({ default: (await import("@/viewers/shape/ShapeViewer")).ShapeViewer }));
+
+interface PairViewProps {
+  name: string;
+  /** Where the query's mesh and parts are; null where it cannot be shown. */
+  files: { mesh: string; components: string; version: string } | null;
+  hit: SearchHit | null;
+  /** Of the query's finest level, that were searched with; empty for all. */
+  parts: readonly number[];
+  address: SearchAddress;
+}
+
+const NO_FILES = { mesh: "", components: "", version: "" };
+
+/** The query and one of the found shapes side by side, turned together, what was matched in the same colors. */
+export function PairView({ name, files, hit, parts, address }: PairViewProps) {
+  const [link] = useState(() => new ViewLink());
+  const { mesh, components, version } = files ?? NO_FILES;
+  const query = useQuery({ ...modelQuery(mesh, components, version), enabled: files !== null });
+  const shape = hit?.shape;
+  const found = useQuery({
+    ...modelQuery(shape?.mesh_url ?? "", shape?.components_url ?? "", shape?.indexed_at),
+    enabled: shape !== undefined,
+  });
+  const [paints, setPaints] = useState(false);
+  const painting = usePainting(query.data, parts);
+  const matched = useMemo(() => (hit ? matchedColors(hit.matches) : null), [hit]);
+  const region = parts.join(" ");
+  const queryColors = useMemo(() => {
+    if (!query.data) return null;
+    if (matched && hit) return colorParts(query.data, hit.level, matched.query, UNMATCHED);
+    if (region === "") return colorLevel(query.data, null);
+    const painted = new Map<number, Rgb>(region.split(" ").map((part) => [Number(part), PAINT]));
+    return colorParts(query.data, finest(query.data), painted, UNMATCHED);
+  }, [query.data, matched, hit, region]);
+  const foundColors = useMemo(
+    () => (found.data && matched && hit ? colorParts(found.data, hit.level, matched.found, UNMATCHED) : null),
+    [found.data, matched, hit],
+  );
+  if (!hasWebGL()) return <NoWebGL />;
+  return (
+    <Stack gap="md" style={{ minWidth: 0 }}>
+      <div className={classes.pair}>
+        <Suspense fallback={<Waiting label="Loading the viewer…" />}>
+          {files && (
+            <ShapeViewer
+              label={name}
+              testId="query"
+              model={query}
+              colors={paints ? painting.colors : queryColors}
+              link={link}
+              onPaint={paints ? painting.onPaint : null}
+              tools={
+                <Tooltip label="Paint a region and search with it" openDelay={400}>
+                  <ActionIcon
+                    variant={paints ? "filled" : "default"}
+                    size={30}
+                    aria-label="Paint a region and search with it"
+                    aria-pressed={paints}
+                    onClick={() => setPaints(!paints)}
+                  >
+                    <BrushIcon size={15} />
+                  </ActionIcon>
+                </Tooltip>
+              }
+            />
+          )}
+          {hit && (
+            <ShapeViewer
+              key={hit.shape_id}
+              label={hit.shape.name || "Without a name"}
+              testId="found"
+              model={found}
+              colors={foundColors}
+              link={link}
+              tools={
+                <LinkButton
+                  to="/shapes/$shapeId"
+                  params={{ shapeId: hit.shape_id }}
+                  size="compact-sm"
+                  h={30}
+                  variant="default"
+                  leftSection={<ExternalLink size={13} aria-hidden="true" />}
+                >
+                  Open
+                </LinkButton>
+              }
+            />
+          )}
+        </Suspense>
+      </div>
+      {paints && query.data ? (
+        <PaintPanel model={query.data} painting={painting} search={{ ...address }} onClose={() => setPaints(false)} />
+      ) : (
+        hit && (
+          <Text size="sm" c="dimmed" data-testid="pair">
+            {hit.shape.name || "This one"}: score {hit.score.toFixed(2)}, best on {best(hit)}. The same color means that
+            the parts were matched ({matched?.query.size ?? 0} of the example’s, {matched?.found.size ?? 0} of the found
+            shape’s); gray was matched with nothing. Both turn together.
+          </Text>
+        )
+      )}
+      {hit && !paints && (
+        <LinkButton
+          to="/shapes/search"
+          search={{ shape: hit.shape_id }}
+          variant="subtle"
+          size="compact-sm"
+          style={{ alignSelf: "flex-start" }}
+        >
+          Go on with shapes like {hit.shape.name || "this one"}
+        </LinkButton>
+      )}
+    </Stack>
+  );
+}

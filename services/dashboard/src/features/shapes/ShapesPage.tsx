@@ -1,0 +1,288 @@
+import { Button, Group, MultiSelect, Select, Stack, Switch, Text, TextInput } from "@mantine/core";
+import { useDebouncedCallback } from "@mantine/hooks";
+import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
+import { getRouteApi, useNavigate } from "@tanstack/react-router";
+import { ListChecks, Plus, ScanSearch, Search, Shapes, X } from "lucide-react";
+import { type DragEvent, useCallback, useState } from "react";
+import { collectionsQuery, labelsQuery, shapesQuery, useChangeShapes } from "@/api/shapes";
+import type { Collection } from "@/api/types";
+import { LinkButton } from "@/app/links";
+import { Empty, Failure, Waiting } from "@/app/Notice";
+import { Page } from "@/app/Page";
+import { say, sayFailure } from "@/app/say";
+import { droppedFiles, type Picked } from "@/features/uploads/gather";
+import { integer } from "@/format/format";
+import { Additions } from "./Additions";
+import { AddShapes } from "./AddShapes";
+import { Collections } from "./Collections";
+import classes from "./shapes.module.css";
+import { Wall } from "./Wall";
+
+const route = getRouteApi("/shapes");
+
+export function ShapesPage() {
+  const filter = route.useSearch();
+  const navigate = useNavigate({ from: "/shapes" });
+  const shapes = useInfiniteQuery(shapesQuery(filter));
+  const collections = useQuery(collectionsQuery);
+  const labels = useQuery(labelsQuery(filter.collection));
+  const [picked, setPicked] = useState<readonly Picked[] | null>(null);
+  const [chosen, setChosen] = useState<ReadonlySet<string> | null>(null);
+  const [over, setOver] = useState(false);
+  const items = shapes.data?.pages.flatMap((page) => page.items) ?? [];
+  const all = collections.data ?? [];
+  const outdated = all.reduce((sum, one) => sum + one.outdated, 0);
+  const filtered = Boolean(filter.name ?? filter.labels?.length ?? filter.outdated);
+  const { hasNextPage, isFetchingNextPage, fetchNextPage } = shapes;
+  const more = useCallback(() => {
+    if (!isFetchingNextPage) void fetchNextPage();
+  }, [isFetchingNextPage, fetchNextPage]);
+
+  const narrow = (change: Partial<typeof filter>) => {
+    setChosen((before) => before && new Set());
+    void navigate({ search: (before) => clean({ ...before, ...change }), replace: true });
+  };
+  const choose = useCallback(
+    (id: string, on: boolean) =>
+      setChosen((before) => {
+        const next = new Set(before);
+        if (on) next.add(id);
+        else next.delete(id);
+        return next;
+      }),
+    [],
+  );
+  const drop = (event: DragEvent) => {
+    if (!event.dataTransfer.types.includes("Files")) return;
+    event.preventDefault();
+    setOver(false);
+    void droppedFiles(event.dataTransfer).then(setPicked);
+  };
+
+  return (
+    <Page
+      title="Shapes"
+      tab={filter.collection ?? "Shapes"}
+      lead="Meshes that can be found by example: whole or in part, in any pose."
+      actions={
+        <Group gap="sm">
+          <LinkButton to="/shapes/search" variant="default" leftSection={<ScanSearch size={16} aria-hidden="true" />}>
+            Search by example
+          </LinkButton>
+          <Button leftSection={<Plus size={16} aria-hidden="true" />} onClick={() => setPicked([])}>
+            Add shapes
+          </Button>
+        </Group>
+      }
+    >
+      <div
+        className={classes.columns}
+        data-over={over || undefined}
+        onDragOver={(event) => {
+          if (!event.dataTransfer.types.includes("Files")) return;
+          event.preventDefault();
+          setOver(true);
+        }}
+        onDragLeave={(event) => {
+          if (!event.currentTarget.contains(event.relatedTarget as Node | null)) setOver(false);
+        }}
+        onDrop={drop}
+      >
+        {over && <div className={classes.drop}>Drop meshes to add them</div>}
+        <Collections collections={all} chosen={filter.collection} onChosen={(name) => narrow({ collection: name })} />
+        <div style={{ minWidth: 0 }}>
+          <Additions />
+          <div className={classes.filters}>
+            <NameFilter
+              key={filter.name === undefined ? "none" : "some"}
+              name={filter.name}
+              onName={(name) => narrow({ name })}
+            />
+            {((labels.data?.length ?? 0) > 0 || filter.labels) && (
+              <MultiSelect
+                aria-label="Labels"
+                placeholder={filter.labels?.length ? "" : "All labels"}
+                data={[
+                  ...new Set([
+                    ...(labels.data?.map(({ name, value }) => `${name}:${value}`) ?? []),
+                    ...(filter.labels ?? []),
+                  ]),
+                ]}
+                searchable
+                clearable
+                maxValues={16}
+                nothingFoundMessage="No such label"
+                value={[...(filter.labels ?? [])]}
+                onChange={(labels) => narrow({ labels })}
+              />
+            )}
+            {(outdated > 0 || filter.outdated) && (
+              <Switch
+                label={`To be indexed again (${integer(outdated)})`}
+                checked={filter.outdated ?? false}
+                onChange={(event) => narrow({ outdated: event.currentTarget.checked })}
+              />
+            )}
+            {items.length > 0 && (
+              <Button
+                variant="default"
+                leftSection={chosen ? <X size={15} aria-hidden="true" /> : <ListChecks size={15} aria-hidden="true" />}
+                aria-pressed={chosen !== null}
+                onClick={() => setChosen(chosen ? null : new Set())}
+              >
+                {chosen ? "Done" : "Choose"}
+              </Button>
+            )}
+          </div>
+          {chosen && (
+            <ChosenBar chosen={chosen} all={items.map(({ id }) => id)} collections={all} onChosen={setChosen} />
+          )}
+          {shapes.isPending ? (
+            <Waiting label="Loading the shapes…" />
+          ) : shapes.isError && !shapes.data ? (
+            <Failure error={shapes.error} onRetry={() => void shapes.refetch()} />
+          ) : items.length === 0 ? (
+            <NoShapes filtered={filtered} collection={filter.collection} onAdd={() => setPicked([])} />
+          ) : (
+            <Wall shapes={items} more={hasNextPage} onMore={more} chosen={chosen} onChoose={choose} />
+          )}
+          {isFetchingNextPage && (
+            <Text size="sm" c="dimmed" ta="center" py="md" role="status">
+              Loading more…
+            </Text>
+          )}
+        </div>
+      </div>
+      <AddShapes picked={picked} collection={filter.collection} onClose={() => setPicked(null)} />
+    </Page>
+  );
+}
+
+/** Without what filters nothing, so that addresses stay short. */
+function clean<T extends Record<string, unknown>>(search: T): T {
+  return Object.fromEntries(
+    Object.entries(search).filter(([, value]) => value && (!Array.isArray(value) || value.length > 0)),
+  ) as T;
+}
+
+function NameFilter({ name, onName }: { name: string | undefined; onName: (name: string | undefined) => void }) {
+  const [text, setText] = useState(name ?? "");
+  const tell = useDebouncedCallback((value: string) => onName(value.trim() || undefined), 250);
+  return (
+    <TextInput
+      type="search"
+      aria-label="Text in the name"
+      placeholder="Text in the name"
+      leftSection={<Search size={15} aria-hidden="true" />}
+      maxLength={255}
+      value={text}
+      onChange={(event) => {
+        setText(event.currentTarget.value);
+        tell(event.currentTarget.value);
+      }}
+    />
+  );
+}
+
+interface ChosenBarProps {
+  chosen: ReadonlySet<string>;
+  all: readonly string[];
+  collections: readonly Collection[];
+  onChosen: (chosen: ReadonlySet<string>) => void;
+}
+
+/** What to do with the shapes that are ticked. */
+function ChosenBar({ chosen, all, collections, onChosen }: ChosenBarProps) {
+  const change = useChangeShapes();
+  const [sure, setSure] = useState(false);
+  const many = chosen.size === 1 ? "1 shape" : `${integer(chosen.size)} shapes`;
+  const run = (collection: string | null) =>
+    change.mutate(
+      { ids: [...chosen], collection },
+      {
+        onSuccess: () =>
+          say(collection === null ? `${many} deleted` : `${many} moved`, collection ?? "The meshes stay."),
+        onError: (error) => sayFailure(collection === null ? "Not all were deleted" : "Not all were moved", error),
+        onSettled: () => {
+          setSure(false);
+          onChosen(new Set());
+        },
+      },
+    );
+  return (
+    <Group className={classes.chosenBar ?? ""} gap="sm" role="group" aria-label="What to do with the chosen shapes">
+      <Text size="sm" fw={600} aria-live="polite">
+        {many} chosen
+      </Text>
+      <Button size="compact-sm" variant="subtle" color="gray" onClick={() => onChosen(new Set(all))}>
+        All {integer(all.length)} shown
+      </Button>
+      <Select
+        size="xs"
+        w={190}
+        aria-label="Move to"
+        placeholder="Move to…"
+        data={collections.map(({ name }) => name)}
+        searchable
+        disabled={chosen.size === 0 || change.isPending}
+        value={null}
+        onChange={(name) => name && run(name)}
+      />
+      {sure ? (
+        <Button
+          size="xs"
+          color="red"
+          autoFocus
+          loading={change.isPending}
+          onBlur={() => setSure(false)}
+          onClick={() => run(null)}
+        >
+          Delete {many} for good
+        </Button>
+      ) : (
+        <Button
+          size="xs"
+          variant="default"
+          disabled={chosen.size === 0 || change.isPending}
+          loading={change.isPending}
+          onClick={() => setSure(true)}
+        >
+          Delete
+        </Button>
+      )}
+    </Group>
+  );
+}
+
+function NoShapes({
+  filtered,
+  collection,
+  onAdd,
+}: {
+  filtered: boolean;
+  collection: string | undefined;
+  onAdd: () => void;
+}) {
+  if (filtered) {
+    return (
+      <Empty icon={<Search size={32} />} title="No shape is like that">
+        <LinkButton to="/shapes" search={collection ? { collection } : {}} variant="default" mt="sm">
+          Without filters
+        </LinkButton>
+      </Empty>
+    );
+  }
+  return (
+    <Empty icon={<Shapes size={32} />} title={collection ? `“${collection}” is empty` : "No shapes yet"}>
+      <Stack align="center" gap="xs">
+        <Text c="dimmed" size="sm">
+          Drop meshes anywhere on this page. Each is repaired where it has to be, taken apart into its parts, and can
+          then be found by anything that resembles it.
+        </Text>
+        <Button mt="sm" leftSection={<Plus size={16} aria-hidden="true" />} onClick={onAdd}>
+          Add shapes
+        </Button>
+      </Stack>
+    </Empty>
+  );
+}

@@ -1,0 +1,309 @@
+import {
+  AmbientLight,
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  DirectionalLight,
+  DoubleSide,
+  Group,
+  HemisphereLight,
+  Mesh,
+  MeshBasicMaterial,
+  MeshStandardMaterial,
+  PerspectiveCamera,
+  Raycaster,
+  Scene,
+  SphereGeometry,
+  Spherical,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
+import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
+import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
+import type { Graph } from "./graph";
+import { cornerNormals, type Surface } from "./surface";
+import type { ViewLink } from "./ViewLink";
+
+/** The side of a shape that its picture shows. */
+const FRONT = new Vector3(-0.484, 0.407, 0.775).normalize();
+const [MARGIN, NEAREST, FARTHEST] = [1.06, 1.2, 20];
+
+/** Called for each point of a face that the pointer paints. */
+export type OnPaint = (face: number, at: [number, number, number]) => void;
+
+/** A shape in its principal frame, a color to each face. Draws only when something has changed. */
+export class ShapeCanvas {
+  readonly canvas = document.createElement("canvas");
+  readonly #renderer: WebGLRenderer;
+  readonly #scene = new Scene();
+  readonly #camera = new PerspectiveCamera(32, 1, 0.05, 50);
+  readonly #controls: OrbitControls;
+  readonly #mesh: Mesh<BufferGeometry, MeshStandardMaterial>;
+  readonly #colors: BufferAttribute;
+  readonly #graph = new Group();
+  readonly #resize: ResizeObserver;
+  readonly #link: ViewLink | null;
+  readonly #surface: Surface;
+  #drawing = 0;
+  #following = false;
+  #paint: OnPaint | null = null;
+
+  constructor(parent: HTMLElement, surface: Surface, link: ViewLink | null) {
+    this.#surface = surface;
+    this.canvas.tabIndex = 0;
+    this.canvas.setAttribute("role", "img");
+    parent.append(this.canvas);
+    this.#renderer = new WebGLRenderer({ canvas: this.canvas, antialias: true });
+    this.#renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.#renderer.setClearColor("#000000");
+    const light = new DirectionalLight("#ffffff", 2);
+    light.position.set(-0.5, 0.8, 1);
+    this.#camera.add(light);
+    this.#scene.add(
+      this.#camera,
+      new HemisphereLight("#eef6f6", "#3a4a50", 1),
+      new AmbientLight("#ffffff", 0.3),
+      this.#graph,
+    );
+    const corners = surface.faces.length;
+    const positions = new Float32Array(3 * corners);
+    for (let i = 0; i < corners; i += 1) {
+      const v = surface.faces[i] as number;
+      for (let k = 0; k < 3; k += 1) positions[3 * i + k] = surface.positions[3 * v + k] as number;
+    }
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(positions, 3));
+    geometry.setAttribute("normal", new BufferAttribute(cornerNormals(surface), 3));
+    this.#colors = new BufferAttribute(new Float32Array(3 * corners).fill(1), 3);
+    geometry.setAttribute("color", this.#colors);
+    const material = new MeshStandardMaterial({
+      vertexColors: true,
+      roughness: 0.6,
+      metalness: 0,
+      side: DoubleSide,
+    });
+    this.#mesh = new Mesh(geometry, material);
+    this.#scene.add(this.#mesh);
+    this.#controls = new OrbitControls(this.#camera, this.canvas);
+    this.#controls.enablePan = false;
+    this.#controls.minDistance = NEAREST;
+    this.#controls.maxDistance = FARTHEST;
+    this.#controls.addEventListener("change", this.#moved);
+    this.canvas.addEventListener("keydown", this.#key);
+    parent.addEventListener("pointerdown", this.#down, { capture: true });
+    this.#link = link;
+    this.#fit(parent);
+    if (!link?.join(this)) this.look();
+    this.#resize = new ResizeObserver(() => this.#fit(parent));
+    this.#resize.observe(parent);
+  }
+
+  /** What tests and those who do not see it know it by. */
+  tell(label: string, testId: string): void {
+    this.canvas.setAttribute("aria-label", label);
+    this.canvas.dataset.testid = testId;
+  }
+
+  /** Where the camera is, the shape's middle being the origin. */
+  get position(): Vector3 {
+    return this.#camera.position;
+  }
+
+  /** Look from where another one looks. */
+  follow(position: Vector3): void {
+    if (this.#camera.position.distanceToSquared(position) < 1e-12) return;
+    this.#following = true;
+    this.#camera.position.copy(position);
+    this.#controls.update();
+    this.#following = false;
+    this.draw();
+  }
+
+  /** Look at the side that the picture shows, near enough to see all of it. */
+  look(): void {
+    this.#camera.position.copy(FRONT).multiplyScalar(this.#distance());
+    this.#controls.target.set(0, 0, 0);
+    this.#controls.update();
+    this.#moved();
+  }
+
+  /** Red, green and blue of each face, in [0, 1] as on the screen. */
+  color(faces: Float32Array): void {
+    const color = new Color();
+    const into = this.#colors.array;
+    for (let f = 0; f < faces.length / 3; f += 1) {
+      color.setRGB(faces[3 * f] as number, faces[3 * f + 1] as number, faces[3 * f + 2] as number, "srgb");
+      for (let k = 0; k < 3; k += 1) color.toArray(into, 9 * f + 3 * k);
+    }
+    this.#colors.needsUpdate = true;
+    this.draw();
+  }
+
+  /** Draw a graph over the surface, which becomes glassy; null takes it away. */
+  drawGraph(graph: Graph | null): void {
+    this.#clearGraph();
+    const { material } = this.#mesh;
+    material.transparent = graph !== null;
+    material.opacity = graph ? 0.42 : 1;
+    material.depthWrite = graph === null;
+    material.needsUpdate = true;
+    if (graph) {
+      const at = (i: number) => graph.nodes[i]?.at ?? [0, 0, 0];
+      const lines = (pairs: readonly [number, number][], color: string, width: number, opacity: number) => {
+        if (pairs.length === 0) return;
+        const geometry = new LineSegmentsGeometry();
+        geometry.setPositions(pairs.flatMap(([one, other]) => [...at(one), ...at(other)]));
+        const ink = new LineMaterial({ color, linewidth: width, transparent: true, opacity, depthTest: false });
+        const segments = new LineSegments2(geometry, ink);
+        segments.renderOrder = 1;
+        this.#graph.add(segments);
+      };
+      lines(graph.parents, "#ffffff", 1.1, 0.4);
+      lines(graph.neighbours, "#f4c56a", 2.2, 0.85);
+      const ball = new SphereGeometry(1, 20, 14);
+      graph.nodes.forEach((node, order) => {
+        const color = new Color().setRGB(...node.color, "srgb");
+        const mesh = new Mesh(ball, new MeshBasicMaterial({ color, depthTest: false, transparent: true }));
+        mesh.position.set(...node.at);
+        mesh.scale.setScalar(node.size);
+        mesh.renderOrder = 2 + order; // the level above lies behind
+        this.#graph.add(mesh);
+      });
+    }
+    this.draw();
+  }
+
+  /** While set, a drag that begins on the shape paints; one beside it turns, as always. */
+  paintWith(paint: OnPaint | null): void {
+    this.#paint = paint;
+    this.canvas.style.cursor = paint ? "crosshair" : "";
+  }
+
+  close(): void {
+    cancelAnimationFrame(this.#drawing);
+    this.#link?.leave(this);
+    this.#resize.disconnect();
+    this.#controls.dispose();
+    this.canvas.parentElement?.removeEventListener("pointerdown", this.#down, { capture: true });
+    this.#clearGraph();
+    this.#mesh.geometry.dispose();
+    this.#mesh.material.dispose();
+    this.#renderer.dispose();
+    this.#renderer.forceContextLoss();
+    this.canvas.remove();
+  }
+
+  draw = (): void => {
+    this.#drawing ||= requestAnimationFrame(() => {
+      this.#drawing = 0;
+      this.#renderer.render(this.#scene, this.#camera);
+    });
+  };
+
+  #moved = () => {
+    if (!this.#following) this.#link?.moved(this);
+    this.draw();
+  };
+
+  /** How far away all of the shape is seen from the front, and fills the view. */
+  #distance(): number {
+    const up = Math.tan((this.#camera.fov * Math.PI) / 360);
+    const right = new Vector3(0, 1, 0).cross(FRONT).normalize();
+    const above = FRONT.clone().cross(right);
+    const { positions } = this.#surface;
+    const point = new Vector3();
+    let distance = NEAREST;
+    for (let i = 0; i < positions.length; i += 3) {
+      point.fromArray(positions, i);
+      const beside = Math.abs(point.dot(right)) / this.#camera.aspect;
+      distance = Math.max(distance, point.dot(FRONT) + (MARGIN * Math.max(beside, Math.abs(point.dot(above)))) / up);
+    }
+    return Math.min(distance, FARTHEST);
+  }
+
+  #clearGraph(): void {
+    for (const child of [...this.#graph.children]) {
+      this.#graph.remove(child);
+      if (!(child instanceof Mesh)) continue;
+      (child.geometry as BufferGeometry).dispose();
+      (child.material as MeshBasicMaterial | LineMaterial).dispose();
+    }
+  }
+
+  #fit(parent: HTMLElement): void {
+    const { clientWidth: width, clientHeight: height } = parent;
+    if (width === 0 || height === 0) return;
+    this.#renderer.setSize(width, height, false);
+    this.#camera.aspect = width / height;
+    this.#camera.updateProjectionMatrix();
+    this.draw();
+  }
+
+  #hit(event: PointerEvent): { face: number; at: [number, number, number] } | null {
+    const box = this.canvas.getBoundingClientRect();
+    const place = new Vector2(
+      ((event.clientX - box.left) / box.width) * 2 - 1,
+      1 - ((event.clientY - box.top) / box.height) * 2,
+    );
+    const caster = new Raycaster();
+    caster.setFromCamera(place, this.#camera);
+    const [hit] = caster.intersectObject(this.#mesh);
+    return hit?.faceIndex === undefined || hit.faceIndex === null
+      ? null
+      : { face: hit.faceIndex, at: [hit.point.x, hit.point.y, hit.point.z] };
+  }
+
+  #down = (event: PointerEvent) => {
+    if (!this.#paint || event.button !== 0 || !event.isPrimary) return;
+    const first = this.#hit(event);
+    if (!first) return;
+    event.stopPropagation(); // the controls would turn the shape
+    event.preventDefault();
+    this.canvas.focus();
+    this.canvas.setPointerCapture(event.pointerId);
+    this.#paint(first.face, first.at);
+    const move = (next: PointerEvent) => {
+      for (const step of next.getCoalescedEvents?.().slice(-4) ?? [next]) {
+        const hit = this.#hit(step);
+        if (hit) this.#paint?.(hit.face, hit.at);
+      }
+    };
+    const up = () => {
+      this.canvas.removeEventListener("pointermove", move);
+      this.canvas.removeEventListener("pointerup", up);
+      this.canvas.removeEventListener("pointercancel", up);
+    };
+    this.canvas.addEventListener("pointermove", move);
+    this.canvas.addEventListener("pointerup", up);
+    this.canvas.addEventListener("pointercancel", up);
+  };
+
+  /** Arrows turn around, plus and minus come nearer and go away, Home looks at everything. */
+  #key = (event: KeyboardEvent) => {
+    const turns: Record<string, [number, number]> = {
+      ArrowLeft: [-0.12, 0],
+      ArrowRight: [0.12, 0],
+      ArrowUp: [0, -0.12],
+      ArrowDown: [0, 0.12],
+    };
+    const zooms: Record<string, number> = { "+": 0.9, "=": 0.9, "-": 1.11 };
+    const turn = turns[event.key];
+    const zoom = zooms[event.key];
+    if (event.ctrlKey || event.metaKey || event.altKey || !(turn || zoom || event.key === "Home")) return;
+    event.preventDefault();
+    if (event.key === "Home") {
+      this.look();
+      return;
+    }
+    const at = new Spherical().setFromVector3(this.#camera.position);
+    at.radius = Math.min(Math.max(at.radius * (zoom ?? 1), NEAREST), FARTHEST);
+    at.theta += turn?.[0] ?? 0;
+    at.phi = Math.min(Math.max(at.phi + (turn?.[1] ?? 0), 0.05), Math.PI - 0.05);
+    this.#camera.position.setFromSpherical(at);
+    this.#controls.update();
+    this.#moved();
+  };
+}

@@ -1,0 +1,125 @@
+import { ActionIcon, Tooltip } from "@mantine/core";
+import type { UseQueryResult } from "@tanstack/react-query";
+import { Maximize } from "lucide-react";
+import { type ReactNode, useEffect, useEffectEvent, useRef, useState } from "react";
+import { ViewerFrame, type ViewerStatus } from "../ViewerFrame";
+import frame from "../viewers.module.css";
+import type { Graph } from "./graph";
+import type { ShapeModel } from "./model";
+import { type OnPaint, ShapeCanvas } from "./ShapeCanvas";
+import type { ViewLink } from "./ViewLink";
+
+interface ShapeViewerProps {
+  label: string;
+  model: Pick<UseQueryResult<ShapeModel>, "data" | "error" | "refetch">;
+  /** Red, green and blue of each face. */
+  colors: Float32Array | null;
+  graph?: Graph | null;
+  link?: ViewLink | null;
+  /** While set, dragging on the shape paints. */
+  onPaint?: OnPaint | null;
+  tools?: ReactNode;
+  /** Over the picture. */
+  children?: ReactNode;
+  testId?: string;
+}
+
+/** A shape in space, each face in its color, with its graph drawn over it. */
+export function ShapeViewer({
+  label,
+  model,
+  colors,
+  graph = null,
+  link = null,
+  onPaint = null,
+  tools,
+  children,
+  testId = "shape",
+}: ShapeViewerProps) {
+  const parent = useRef<HTMLDivElement>(null);
+  const [canvas, setCanvas] = useState<ShapeCanvas | null>(null);
+  const [broken, setBroken] = useState<"lost" | { error: unknown } | null>(null);
+  const [attempt, setAttempt] = useState(0);
+  const surface = model.data?.surface;
+  const paints = onPaint !== null;
+
+  useEffect(() => {
+    const element = parent.current;
+    if (!element || !surface) return;
+    let made: ShapeCanvas | null = null;
+    let closed = false;
+    const open = new Promise<ShapeCanvas>((resolve) => resolve(new ShapeCanvas(element, surface, link)));
+    open.then(
+      (canvas) => {
+        if (closed) {
+          canvas.close();
+          return;
+        }
+        made = canvas;
+        canvas.canvas.addEventListener("webglcontextlost", (event) => {
+          event.preventDefault();
+          if (!closed) setBroken("lost");
+        });
+        setCanvas(canvas);
+      },
+      (error: unknown) => setBroken({ error }),
+    );
+    return () => {
+      closed = true;
+      setCanvas(null);
+      made?.close();
+    };
+  }, [surface, link, attempt]);
+
+  useEffect(() => {
+    canvas?.tell(`${label} in 3D. Arrow keys turn it, plus and minus zoom, Home shows all of it.`, testId);
+  }, [canvas, label, testId]);
+  useEffect(() => {
+    if (canvas && colors) canvas.color(colors);
+  }, [canvas, colors]);
+  useEffect(() => {
+    canvas?.drawGraph(graph);
+  }, [canvas, graph]);
+  const paint = useEffectEvent<OnPaint>((face, at) => onPaint?.(face, at));
+  useEffect(() => {
+    canvas?.paintWith(paints ? (face, at) => paint(face, at) : null);
+  }, [canvas, paints]);
+
+  const status: ViewerStatus =
+    broken === "lost"
+      ? { is: "lost" }
+      : (broken ?? (model.error && !model.data))
+        ? { is: "failed", error: broken?.error ?? model.error }
+        : canvas
+          ? { is: "ready" }
+          : { is: "loading", fraction: model.data ? 1 : 0.3, what: "Loading the shape…" };
+  return (
+    <ViewerFrame
+      label={label}
+      status={status}
+      onRetry={() => {
+        setBroken(null);
+        setAttempt((before) => before + 1);
+        if (!model.data) void model.refetch();
+      }}
+      tools={
+        <>
+          {tools}
+          <Tooltip label="Look at all of it" openDelay={400}>
+            <ActionIcon
+              variant="default"
+              size={30}
+              aria-label={`Look at all of ${label}`}
+              onClick={() => canvas?.look()}
+            >
+              <Maximize size={16} />
+            </ActionIcon>
+          </Tooltip>
+        </>
+      }
+    >
+      <div ref={parent} className={frame.stage} />
+      {children}
+    </ViewerFrame>
+  );
+}

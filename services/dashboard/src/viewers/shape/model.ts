@@ -1,0 +1,51 @@
+import { queryOptions } from "@tanstack/react-query";
+import { apiFetch } from "@/api/client";
+import { readGlb } from "./glb";
+import { faceParts, inPrincipalFrame, partCenters, type Surface, surfaceOf, type Vector } from "./surface";
+
+/** A shape's web mesh in its principal frame, with its parts on every level. */
+export interface ShapeModel {
+  surface: Surface;
+  /** The numbers of the levels, coarsest first. */
+  levels: readonly number[];
+  /** The part of each face. */
+  parts: (level: number) => Int32Array | null;
+  /** Where each of `count` parts is. */
+  centers: (level: number, count: number) => (Vector | null)[];
+}
+
+interface Components {
+  vertices: number;
+  levels: { level: number; labels: number[] }[];
+}
+
+export function modelOf(content: ArrayBuffer, components: Components): ShapeModel {
+  const mesh = readGlb(content);
+  if (components.vertices !== mesh.positions.length / 3) throw new Error("The mesh and its parts do not fit together.");
+  const surface = surfaceOf(inPrincipalFrame(mesh));
+  const parts = new Map(components.levels.map(({ level, labels }) => [level, faceParts(mesh.faces, labels)]));
+  return {
+    surface,
+    levels: components.levels.map(({ level }) => level),
+    parts: (level) => parts.get(level) ?? null,
+    centers: (level, count) => {
+      const own = parts.get(level);
+      return own ? partCenters(surface, own, count) : new Array<null>(count).fill(null);
+    },
+  };
+}
+
+/** What a viewer needs of a shape; `version` changes when it is indexed again. */
+export const modelQuery = (meshUrl: string, componentsUrl: string, version = "") =>
+  queryOptions({
+    queryKey: ["shapes", "model", meshUrl, version],
+    queryFn: async ({ signal }) => {
+      const [mesh, components] = await Promise.all([
+        apiFetch(meshUrl, { signal }).then((response) => response.arrayBuffer()),
+        apiFetch(componentsUrl, { signal }).then((response) => response.json() as Promise<Components>),
+      ]);
+      return modelOf(mesh, components);
+    },
+    staleTime: Number.POSITIVE_INFINITY,
+    gcTime: 60_000, // each is some megabytes
+  });
