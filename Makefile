@@ -55,11 +55,11 @@ up: setup ## start the platform on this machine and keep it running
 
 test: setup ## run all tests
 	@deploy/dashboard.sh $(BIN)/python test
-	$(PYTEST) -n 2 --dist loadfile
+	$(PYTEST) -n 2 --dist loadfile --no-loadscope-reorder
 
 test-fast: $(VENV)/.ready ## run the tests that need neither servers nor a browser
 	@deploy/dashboard.sh $(BIN)/python test
-	$(PYTEST) -n 2 --dist loadfile -m "not server and not browser and not slow"
+	$(PYTEST) -n 2 --dist loadfile --no-loadscope-reorder -m "not server and not browser and not slow"
 
 check: $(VENV)/.ready ## lint, types, layers, schema drift
 	@deploy/dashboard.sh $(BIN)/python check
