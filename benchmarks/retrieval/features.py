@@ -25,7 +25,7 @@ _COMPARING = frozenset(
     f"{name}.py"
     for name in (
         "_matching_kernels", "commands", "job", "laid_out", "local", "matching", "packing", "preview", "ranking",
-        "report", "search", "vector", "warm",
+        "report", "search", "vector", "vectors", "vocabulary", "warm", "threads",
     )
 )  # fmt: skip
 """Sources that compare graphs or show shapes, and do not change what is computed from a mesh."""

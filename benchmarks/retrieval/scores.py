@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 
 from benchmarks.retrieval.features import Features
 from shapery_retrieval.nodes import FV1, FV2
-from shapery_retrieval.packing import BLOCKS, Blocks, pack, pack_level
-from shapery_retrieval.ranking import GROUPS, affinity, diffuse, local_scale, whole_distances
+from shapery_retrieval.packing import BLOCKS, Blocks, pack_level
+from shapery_retrieval.ranking import GROUPS, affinity, diffuse, local_scale, local_scales
 from shapery_retrieval.search import score_matrix
+from shapery_retrieval.vector import cue_distances, pack
 
 Array = NDArray[np.float64]
 
@@ -43,14 +44,11 @@ def on_local_scales(scores: Array) -> Array:
 
 def by_whole(features: Sequence[Features], group: str) -> Array:
     """Compare one group of the root's descriptors alone."""
-    graphs = pack([item.arg for item in features])
-    n = len(features)
-    rows = [whole_distances(graphs, i, graphs) for i in range(n)]
-    total = np.zeros((n, n))
+    vectors = pack([item.arg for item in features]).vectors
+    total = np.zeros((len(vectors), len(vectors)))
     for cue, weight in GROUPS[group].items():
-        distances = np.stack([row[cue] for row in rows])
-        apart = distances + np.where(np.eye(n, dtype=bool), np.inf, 0.0)
-        scales = np.array([local_scale(row) for row in apart])
+        distances = cue_distances(vectors, vectors, cue)
+        scales = local_scales(distances)
         total += weight * affinity(distances, scales[:, None], scales[None, :])
     return total
 

@@ -24,8 +24,6 @@ DEFAULT_ROOM = 512 << 20
 """Bytes that are kept in memory, beyond those of the owner who searches."""
 _MARGIN = 64
 """So many more than are wanted are measured again in 64 bits, so that rounding does not decide who is among them."""
-_BLOCK = 512
-"""Vectors compared at a time: what they differ by stays in the processor's cache."""
 
 NO_FILTER = ShapeFilter()
 
@@ -37,11 +35,13 @@ class VectorTable:
         self.ids: list[UUID] = []
         self._rows: dict[UUID, int] = {}
         self._vectors: npt.NDArray[np.float32] = np.empty((0, VECTOR_DIMENSION), np.float32)
+        self._lengths: npt.NDArray[np.float32] = np.empty(0, np.float32)
+        """Their squares."""
 
     @property
     def size(self) -> int:
         """Bytes in memory."""
-        return self._vectors.nbytes + 200 * len(self.ids)
+        return self._vectors.nbytes + self._lengths.nbytes + 200 * len(self.ids)
 
     def put(self, shape_id: UUID, vector: bytes) -> None:
         """Add a vector, or replace the one that the shape has."""
@@ -50,10 +50,12 @@ class VectorTable:
             row = self._rows[shape_id] = len(self.ids)
             self.ids.append(shape_id)
             if row == len(self._vectors):
-                grown = np.empty((max(64, row + row // 2), VECTOR_DIMENSION), np.float32)
-                grown[:row] = self._vectors
-                self._vectors = grown
+                room = max(64, row + row // 2)
+                vectors, lengths = np.empty((room, VECTOR_DIMENSION), np.float32), np.empty(room, np.float32)
+                vectors[:row], lengths[:row] = self._vectors, self._lengths
+                self._vectors, self._lengths = vectors, lengths
         self._vectors[row] = np.frombuffer(vector, "<f4")
+        self._lengths[row] = np.square(self._vectors[row]).sum()
 
     def drop(self, shape_id: UUID) -> None:
         """Remove a vector; the last one takes its place."""
@@ -65,6 +67,7 @@ class VectorTable:
             self.ids[row] = last
             self._rows[last] = row
             self._vectors[row] = self._vectors[len(self.ids)]
+            self._lengths[row] = self._lengths[len(self.ids)]
 
     def rows(self, ids: Iterable[UUID]) -> npt.NDArray[np.intp]:
         """Return the rows of those of some shapes that are here."""
@@ -72,27 +75,25 @@ class VectorTable:
 
     def nearest(
         self, vector: npt.NDArray[np.float64], limit: int, rows: npt.NDArray[np.intp] | None
-    ) -> list[tuple[UUID, float]]:
-        """Return ids and Euclidean distances of the nearest vectors, among `rows` only where they are given."""
+    ) -> list[Candidate]:
+        """Return the shapes of the nearest vectors, among `rows` only where they are given."""
         count = len(self.ids) if rows is None else len(rows)
-        squares = np.empty(count, np.float32)
         query = vector.astype(np.float32)
-        room = np.empty((_BLOCK, VECTOR_DIMENSION), np.float32)
-        for begin in range(0, count, _BLOCK):
-            end = min(count, begin + _BLOCK)
-            known = self._vectors[begin:end] if rows is None else self._vectors[rows[begin:end]]
-            difference = np.subtract(known, query, out=room[: end - begin])
-            # no BLAS: processes are forked from here, and its threads would not come along
-            np.einsum("ij,ij->i", difference, difference, out=squares[begin:end])
+        known = self._vectors[:count] if rows is None else self._vectors[rows]
+        lengths = self._lengths[:count] if rows is None else self._lengths[rows]
+        # |v|² − 2 v·q orders as the distance does. No BLAS: processes are forked from here, and its threads would not
+        # come along.
+        squares = lengths - 2 * np.einsum("ij,j->i", known, query)
         wide = min(count, limit + _MARGIN)
         chosen = np.argpartition(squares, wide - 1)[:wide] if wide < count else np.arange(count)
         measured = self._vectors[chosen if rows is None else rows[chosen]].astype(np.float64)
         exact = np.sqrt(np.square(measured - vector).sum(axis=1))
+        places = chosen if rows is None else rows[chosen]
         found = [
-            (self.ids[row if rows is None else rows[row]], float(distance))
-            for row, distance in zip(chosen.tolist(), exact.tolist(), strict=True)
+            Candidate(str(self.ids[place]), distance, self._vectors[place].tobytes())
+            for place, distance in zip(places.tolist(), exact.tolist(), strict=True)
         ]
-        return sorted(found, key=lambda pair: (pair[1], pair[0]))[:limit]
+        return sorted(found, key=lambda candidate: (candidate.distance, candidate.shape_id))[:limit]
 
 
 class _Kept:
@@ -216,8 +217,7 @@ class MemoryBank(_Bank):
         if table is None or limit < 1:
             return []
         rows = None if only is None or only == NO_FILTER else self._rows(table, version, only)
-        nearest = table.nearest(np.asarray(vector, np.float64), limit, rows)
-        return [Candidate(str(shape_id), distance) for shape_id, distance in nearest]
+        return table.nearest(np.asarray(vector, np.float64), limit, rows)
 
     def _rows(self, table: VectorTable, version: int, filter_: ShapeFilter) -> npt.NDArray[np.intp]:
         key = version, filter_.model_dump_json()
@@ -247,4 +247,5 @@ class PostgresBank(_Bank):
             rows = repository.nearest(
                 session, self._owner, version, pack_vector(vector), limit, asked.collection, asked.labels
             )
-        return sorted((Candidate(str(row.id), row.distance) for row in rows), key=lambda c: (c.distance, c.shape_id))
+        found = (Candidate(str(row.id), row.distance, row.vector) for row in rows)
+        return sorted(found, key=lambda candidate: (candidate.distance, candidate.shape_id))

@@ -1,7 +1,8 @@
 """How a handler's process reads the shape database, to which it has no connection: it asks its watcher, over a socket.
 
 The watcher answers for the owner of the job and nobody else, so that whatever a handler suffers, it reaches no other
-shapes. A message is a line of JSON; graphs follow an answer as bytes, whose lengths the line tells.
+shapes. A message is a line of JSON; graphs and vectors follow an answer as bytes; the line tells their
+lengths or their number.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import threading
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from shapery_contracts.retrieval import INDEX_VERSION, Candidate, ShapeBank, ShapeFilter
+from shapery_contracts.retrieval import INDEX_VERSION, VECTOR_DIMENSION, Candidate, ShapeBank, ShapeFilter
 
 logger = logging.getLogger(__name__)
 
@@ -52,7 +53,8 @@ class BankClient:
                 "only": None if only is None else only.model_dump(mode="json"),
             }
         )
-        return [Candidate(shape_id, distance) for shape_id, distance in answer["found"]]
+        size = 4 * VECTOR_DIMENSION
+        return [Candidate(shape_id, distance, self._stream.read(size)) for shape_id, distance in answer["found"]]
 
     def args(self, ids: Iterable[str]) -> Mapping[str, bytes]:
         """Return graphs by id."""
@@ -130,7 +132,7 @@ class BankServer:
                 version=question["version"],
                 only=None if asked is None else ShapeFilter.model_validate(asked),
             )
-            return {"found": [list(candidate) for candidate in found]}, ()
+            return {"found": [candidate[:2] for candidate in found]}, (candidate.vector for candidate in found)
         except Exception as error:
             logger.exception("the shape database could not be read")
             return {"fault": type(error).__name__}, ()

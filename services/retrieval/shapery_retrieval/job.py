@@ -34,8 +34,8 @@ if TYPE_CHECKING:
 _FRACTIONS = {"normalise": 0.05, "describe": 0.15, "decompose": 0.6, "views": 0.75}
 WRITE = 0.85
 
-CANDIDATES = 400
-"""So many shapes, nearest by their vectors, are fetched and compared by all cues."""
+CANDIDATES = 600
+"""So many shapes, nearest by their vectors, are compared by all cues."""
 PARTIAL_CANDIDATES = 4000
 """A part may be of anything: far more shapes are matched then."""
 
@@ -179,7 +179,7 @@ def search_bank(
     numbers
         For each level what the query's parts are called in the hits; by default by their place.
     """
-    from shapery_retrieval.laid_out import Searchers
+    from shapery_retrieval.laid_out import GoneError, Searchers
     from shapery_retrieval.vector import vector_of
 
     partial = params.mode == "partial" or params.region is not None or params.parts is not None
@@ -193,10 +193,18 @@ def search_bank(
     start = stage("candidates", 0.6)
     limit = PARTIAL_CANDIDATES if partial else max(CANDIDATES, 2 * params.limit)
     near = bank.candidates(vector_of(query).tolist(), limit, version=query.index_version, only=params.filter)
-    searcher = (searchers or Searchers()).over(bank, [candidate.shape_id for candidate in near])
     seconds["candidates"] = time.perf_counter() - start
     start = stage("match", 0.7)
-    answer = searcher.search(query, limit=params.limit, exclude=params.shape_id, partial=partial, rerank=params.rerank)
+    searchers = searchers or Searchers()
+    while True:
+        searcher = searchers.over(bank, near, query.index_version)
+        try:
+            answer = searcher.search(
+                query, limit=params.limit, exclude=params.shape_id, partial=partial, rerank=params.rerank
+            )
+            break
+        except GoneError as error:
+            near = [candidate for candidate in near if candidate.shape_id not in error.ids]
     seconds["match"] = time.perf_counter() - start
     return ShapeSearchResult(
         index_version=query.index_version,

@@ -1,47 +1,72 @@
-"""Banks laid out in memory, kept for the next query of a process that stays."""
+"""Graphs laid out in memory, kept for the next query of a process that stays."""
 
 from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Sequence
 
-from shapery_contracts.retrieval import ShapeBank
+import numpy as np
+from numpy.typing import NDArray
+
+from shapery_contracts.retrieval import INDEX_VERSION, VECTOR_DIMENSION, Candidate, ShapeBank
 from shapery_retrieval.arg import Arg
+from shapery_retrieval.packing import PackedLevel, joined, pack_levels
 from shapery_retrieval.search import Searcher
 
 MOST_BANKS = 4
-MOST_GRAPHS = 4096
+MOST_GRAPHS = 8192
+"""About 22 kB each."""
+
+
+class GoneError(Exception):
+    """Shapes were deleted while a search ran; it holds their ids."""
+
+    def __init__(self, ids: frozenset[str]) -> None:
+        super().__init__(f"{len(ids)} shapes are gone")
+        self.ids = ids
 
 
 class Searchers:
-    """What was read of banks: graphs by the ids of their shapes, and searchers by the ids they were laid out for.
+    """What was read of banks: graphs, laid out, by the ids of their shapes, and what is known of neighbourhoods.
 
-    Laying out some hundred graphs and learning their neighbourhoods costs many times what a query does. While a bank is
-    small enough that all of it is compared, all queries find the same searcher. Under its id a graph never changes.
+    Reading a graph costs many times what matching it does. While a bank is small enough that all of it is compared, all
+    queries share the neighbourhoods, too. Under its id a graph never changes.
     """
 
     def __init__(self) -> None:
-        self._graphs: OrderedDict[str, Arg] = OrderedDict()
-        self._searchers: OrderedDict[tuple[str, ...], Searcher] = OrderedDict()
+        self._graphs: OrderedDict[str, tuple[PackedLevel, ...]] = OrderedDict()
+        self._scales: OrderedDict[tuple[str, ...], dict[str, NDArray[np.float64]]] = OrderedDict()
 
-    def over(self, bank: ShapeBank, ids: Sequence[str]) -> Searcher:
-        """Return a searcher over those of some shapes that the bank has."""
-        key = tuple(sorted(ids))
-        searcher = self._searchers.get(key)
-        if searcher is None:
-            missing = [shape_id for shape_id in key if shape_id not in self._graphs]
-            for shape_id, data in bank.args(missing).items():
-                self._graphs[shape_id] = Arg.from_bytes(data)
-            there = {shape_id: self._graphs[shape_id] for shape_id in key if shape_id in self._graphs}
-            searcher = Searcher(there)
-            if len(there) == len(key):
-                self._searchers[key] = searcher
-            for shape_id in there:
-                self._graphs.move_to_end(shape_id)
-        else:
-            self._searchers.move_to_end(key)
-        while len(self._searchers) > MOST_BANKS:
-            self._searchers.popitem(last=False)
+    def over(self, bank: ShapeBank, near: Sequence[Candidate], version: int = INDEX_VERSION) -> Searcher:
+        """Return a searcher over some shapes of a bank.
+
+        Searching raises `GoneError` where a shape that is to be matched is not there any more.
+        """
+        ordered = sorted(near)
+        ids = [candidate.shape_id for candidate in ordered]
+        vectors = np.frombuffer(b"".join(candidate.vector for candidate in ordered), dtype="<f4")
+        key = tuple(ids)
+        scales = self._scales.setdefault(key, {})
+        self._scales.move_to_end(key)
+        while len(self._scales) > MOST_BANKS:
+            self._scales.popitem(last=False)
+
+        def lay(places: NDArray[np.int64]) -> tuple[PackedLevel, ...]:
+            return joined(self._laid(bank, [ids[place] for place in places.tolist()]))
+
+        return Searcher(ids, vectors.reshape(len(ids), VECTOR_DIMENSION), lay, version, scales)
+
+    def _laid(self, bank: ShapeBank, ids: Sequence[str]) -> list[tuple[PackedLevel, ...]]:
+        missing = [shape_id for shape_id in ids if shape_id not in self._graphs]
+        for shape_id, data in bank.args(missing).items() if missing else ():
+            self._graphs[shape_id] = pack_levels([Arg.from_bytes(data)])
+        gone = frozenset(shape_id for shape_id in missing if shape_id not in self._graphs)
+        if gone:
+            raise GoneError(gone)
+        found = []
+        for shape_id in ids:
+            self._graphs.move_to_end(shape_id)
+            found.append(self._graphs[shape_id])
         while len(self._graphs) > MOST_GRAPHS:
             self._graphs.popitem(last=False)
-        return searcher
+        return found

@@ -113,7 +113,7 @@ class LocalBank:
         stored = np.frombuffer(b"".join(row[1] for row in rows), dtype="<f4").reshape(len(rows), -1)
         distances = np.linalg.norm(stored - np.asarray(vector, dtype=np.float32), axis=1)
         order = np.argsort(distances, kind="stable")[:limit]
-        return [Candidate(rows[i][0], float(distances[i])) for i in order.tolist()]
+        return [Candidate(rows[i][0], float(distances[i]), rows[i][1]) for i in order.tolist()]
 
     def args(self, ids: Iterable[str]) -> Mapping[str, bytes]:
         """See `ShapeBank.args`."""

@@ -14,20 +14,20 @@ off the cost with oneself).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shapery_retrieval import _matching_kernels as kernels
 from shapery_retrieval.arg import Arg
-from shapery_retrieval.packing import ALPHA, EPSILON, OUTER, ROUNDS, PackedGraphs, PackedLevel, pack
+from shapery_retrieval.packing import ALPHA, EPSILON, OUTER, ROUNDS, PackedLevel
+from shapery_retrieval.vector import PackedGraphs, cue_distances, pack
+from shapery_retrieval.vocabulary import vocabulary
 
 UNLIKE = 0.35
 """Divergence at which a level's score has fallen to 1/e; about the mean between unrelated generated shapes."""
-WHOLE_UNLIKE = {"covariance": 6.0, "quantiles": 0.35, "wave_words": 0.5, "views": 1.0}
-"""The same for each descriptor at the root."""
-
 
 SHARP_EPSILON, SHARP_OUTER, SHARP_ROUNDS = np.float32(0.01), 8, 30
 
@@ -96,14 +96,24 @@ def match(query: Arg, other: Arg, *, partial: bool = False) -> Match:
     return match_packed(both, 0, both, 1, partial=partial)
 
 
-def match_packed(query: PackedGraphs, index: int, bank: PackedGraphs, place: int, *, partial: bool = False) -> Match:
-    """Match two graphs that are laid out already; see `match`."""
+def match_packed(
+    query: PackedGraphs,
+    index: int,
+    bank: PackedGraphs,
+    place: int,
+    *,
+    partial: bool = False,
+    plans: Literal["all", "best"] = "all",
+) -> Match:
+    """Match two graphs that are laid out already; see `match`.
+
+    With `plans` ``best`` the plan of the best level alone is sharp, which is what costs most.
+    """
     levels = []
     if not partial:
         levels.append(LevelMatch(0, _root_score(query, index, bank, place), np.ones((1, 1))))
     for number, (own, others) in enumerate(zip(query.levels, bank.levels, strict=True), start=1):
-        cost, _ = transport_plan(own, index, others, place, relaxed=partial)
-        _, plan = transport_plan(own, index, others, place, relaxed=partial, sharp=True)
+        cost, plan = transport_plan(own, index, others, place, relaxed=partial)
         if partial:
             itself = transport_plan(own, index, own, index, relaxed=True)[0]
         else:
@@ -112,7 +122,21 @@ def match_packed(query: PackedGraphs, index: int, bank: PackedGraphs, place: int
         levels.append(LevelMatch(number, score, plan[: own.parts[index], : others.parts[place]]))
     best = max((level for level in levels if level.level > 0), key=lambda level: level.score)
     score = best.score if partial else sum(level.score for level in levels) / len(levels)
-    return Match(score, tuple(levels), best.level)
+    sharp = [
+        replace(level, transport=_sharp(query, index, bank, place, level.level, relaxed=partial))
+        if level.level > 0 and (plans == "all" or level is best)
+        else level
+        for level in levels
+    ]
+    return Match(score, tuple(sharp), best.level)
+
+
+def _sharp(
+    query: PackedGraphs, index: int, bank: PackedGraphs, place: int, level: int, *, relaxed: bool
+) -> NDArray[np.float64]:
+    own, others = query.levels[level - 1], bank.levels[level - 1]
+    plan = transport_plan(own, index, others, place, relaxed=relaxed, sharp=True)[1]
+    return plan[: own.parts[index], : others.parts[place]]
 
 
 def transport_plan(
@@ -134,9 +158,6 @@ def transport_plan(
 
 
 def _root_score(query: PackedGraphs, index: int, bank: PackedGraphs, place: int) -> float:
-    scores = []
-    for name, unlike in WHOLE_UNLIKE.items():
-        difference = query.whole[name][index] - bank.whole[name][place]
-        apart = np.abs(difference).mean() if name == "quantiles" else np.linalg.norm(difference)
-        scores.append(float(np.exp(-apart / unlike)))
-    return float(np.mean(scores))
+    own, other = query.vectors[index], bank.vectors[place : place + 1]
+    unlike = vocabulary().unlike
+    return float(np.mean([np.exp(-cue_distances(own, other, cue)[0] / unlike[cue]) for cue in unlike]))

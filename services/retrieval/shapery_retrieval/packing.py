@@ -40,7 +40,7 @@ class PackedLevel:
     Attributes
     ----------
     masses : (n, k)
-    features : (n, k, d)
+    features : (n, d, k)
         Standardised and weighted, so that squared distance is the cost of putting two parts together.
     squares : (n, k)
         Their squared lengths.
@@ -60,6 +60,13 @@ class PackedLevel:
 
     def __len__(self) -> int:
         return len(self.masses)
+
+    def taken(self, places: NDArray[np.int64]) -> PackedLevel:
+        """Return some of the graphs, in the order of `places`."""
+        return PackedLevel(
+            self.masses[places], self.features[places], self.squares[places], self.distances[places],
+            self.own[places], self.parts[places],
+        )  # fmt: skip
 
     def costs(self, other: PackedLevel, index: int, chosen: NDArray[np.int64], *, relaxed: bool = False) -> Array32:
         """(c,) cost of the graph at `index` against the chosen ones of `other`."""
@@ -99,34 +106,15 @@ def pack_level(args: Sequence[Arg], level: int, blocks: Blocks = BLOCKS) -> Pack
         features[i, :p] = (node.features[:, order].astype(np.float64) - words.node_mean[order]) * scale
         distances[i, :p, :p] = node.distances
     squares = np.einsum("nkd,nkd->nk", features, features)
+    features = np.ascontiguousarray(features.transpose(0, 2, 1))
     parts = np.array([arg.levels[level].parts for arg in args])
     bare = PackedLevel(masses, features, squares, distances, np.zeros(n, np.float32), parts)
     own = np.array([bare.costs(bare, i, np.array([i]))[0] for i in range(n)], dtype=np.float32)
     return PackedLevel(masses, features, squares, distances, own, parts)
 
 
-@dataclass(frozen=True, eq=False)
-class PackedGraphs:
-    """Several graphs.
-
-    Attributes
-    ----------
-    levels
-        The levels below the root.
-    whole
-        (n, d) arrays of the descriptors at the root by name; of the views (n, words), weighted by rarity and of unit
-        length.
-    """
-
-    levels: tuple[PackedLevel, ...]
-    whole: dict[str, Array32]
-
-    def __len__(self) -> int:
-        return len(self.levels[0])
-
-
-def pack(args: Sequence[Arg]) -> PackedGraphs:
-    """Lay out graphs side by side.
+def pack_levels(args: Sequence[Arg]) -> tuple[PackedLevel, ...]:
+    """Lay out the levels below the root of several graphs.
 
     Raises
     ------
@@ -137,20 +125,49 @@ def pack(args: Sequence[Arg]) -> PackedGraphs:
         raise ValueError("there is nothing to lay out")
     if len({(arg.index_version, len(arg.levels)) for arg in args}) > 1:
         raise InvalidInput("conflict", "Graphs of different index versions cannot be compared.", "Index them again.")
-    levels = tuple(pack_level(args, level) for level in range(1, len(args[0].levels)))
-    return PackedGraphs(levels, whole_arrays(args))
+    return tuple(pack_level(args, level) for level in range(1, len(args[0].levels)))
+
+
+def joined(graphs: Sequence[tuple[PackedLevel, ...]]) -> tuple[PackedLevel, ...]:
+    """Lay graphs side by side that were laid out one by one."""
+    result = []
+    for levels in zip(*graphs, strict=True):
+        n, k, d = len(levels), max(level.masses.shape[1] for level in levels), levels[0].features.shape[1]
+        masses, squares = np.zeros((n, k), np.float32), np.zeros((n, k), np.float32)
+        features, distances = np.zeros((n, d, k), np.float32), np.zeros((n, k, k), np.float32)
+        for i, level in enumerate(levels):
+            p = level.masses.shape[1]
+            masses[i, :p], squares[i, :p] = level.masses[0], level.squares[0]
+            features[i, :, :p], distances[i, :p, :p] = level.features[0], level.distances[0]
+        own = np.concatenate([level.own for level in levels])
+        result.append(
+            PackedLevel(masses, features, squares, distances, own, np.concatenate([level.parts for level in levels]))
+        )
+    return tuple(result)
+
+
+def part_distances(
+    query: Sequence[PackedLevel], index: int, bank: Sequence[PackedLevel], chosen: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """(c,) divergences from the chosen graphs, summed over the levels below the root."""
+    total = np.zeros(len(chosen))
+    for own, others in zip(query, bank, strict=True):
+        total += own.divergences(others, index, chosen)
+    return total
 
 
 def whole_arrays(args: Sequence[Arg]) -> dict[str, Array32]:
-    """Return the descriptors at the roots as `PackedGraphs.whole` holds them."""
+    """Return (n, d) arrays of the descriptors at the roots by name, as they are compared by Euclidean distance.
+
+    Shares are under a root; those of the views are weighted by rarity besides, and of unit length.
+    """
     words = vocabulary()
     views = np.zeros((len(args), len(words.views)), np.float32)
     for row, arg in zip(views, args, strict=True):
         row[arg.whole["view_words"]] = arg.whole["view_weights"].astype(np.float32)
     views = np.sqrt(views) * np.maximum(words.view_rarity, 0.0)
     views /= np.maximum(np.linalg.norm(views, axis=1, keepdims=True), 1e-12)
-    same = ("covariance", "quantiles")
-    whole = {name: np.stack([arg.whole[name] for arg in args]) for name in same}
+    whole = {name: np.stack([arg.whole[name] for arg in args]) for name in ("covariance", "quantiles")}
     whole["wave_words"] = np.sqrt(np.stack([arg.whole["wave_words"] for arg in args]))
     whole["views"] = views
     return whole

@@ -17,8 +17,6 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from shapery_retrieval.packing import PackedGraphs
-
 GROUPS: Mapping[str, Mapping[str, float]] = {
     "parts": {"parts": 1.0},
     "views": {"views": 1.0},
@@ -27,8 +25,6 @@ GROUPS: Mapping[str, Mapping[str, float]] = {
 """Cues of like nature vote together, with these weights; ``parts`` is the matching of the graphs below the root."""
 TRUST: Mapping[str, float] = {"parts": 1.0, "views": 2.0, "intrinsic": 1.0}
 """How much a contrast is worth: views never set shapes apart as clearly as numbers of the surface do."""
-WHOLE_CUES = tuple(cue for cues in GROUPS.values() for cue in cues if cue != "parts")
-
 RANK = 12
 """The scale of a neighbourhood is the distance to the neighbour of this rank."""
 NEAR, FAR = 8, (16, 48)
@@ -41,30 +37,6 @@ ONE_SIDED = 0.1
 Array = NDArray[np.float64]
 
 
-def whole_distances(query: PackedGraphs, index: int, bank: PackedGraphs) -> dict[str, Array]:
-    """(n,) distances of one graph from all of a bank by each descriptor at the root."""
-    result = {}
-    for cue in WHOLE_CUES:
-        own, others = query.whole[cue][index], bank.whole[cue]
-        if cue == "quantiles":
-            found = np.abs(others - own).mean(axis=1)
-        elif cue == "views":
-            # of unit vectors
-            found = np.sqrt(np.maximum(2 - 2 * (others @ own), 0.0))
-        else:
-            found = np.linalg.norm(others - own, axis=1)
-        result[cue] = found.astype(np.float64)
-    return result
-
-
-def part_distances(query: PackedGraphs, index: int, bank: PackedGraphs, chosen: NDArray[np.int64]) -> Array:
-    """(c,) divergences from the chosen graphs, summed over the levels below the root."""
-    total = np.zeros(len(chosen))
-    for own, others in zip(query.levels, bank.levels, strict=True):
-        total += own.divergences(others, index, chosen)
-    return total
-
-
 def local_scale(distances: Array) -> float:
     """Return the scale of a neighbourhood from the distances to all others, the item itself left out."""
     finite = distances[np.isfinite(distances)]
@@ -73,6 +45,27 @@ def local_scale(distances: Array) -> float:
     rank = min(RANK, max(1, (len(finite) + 1) // 2))
     # below this lies what single precision makes of no distance at all
     return max(float(np.partition(finite, rank - 1)[rank - 1]), 1e-3)
+
+
+def local_scales(distances: Array, *, without: NDArray[np.int64] | None = None) -> Array:
+    """Return the scales of all items' neighbourhoods from the (n, n) distances between them.
+
+    With `without`, an (r,) list of items, the (r, n) scales of all others in a bank that lacks each one of these.
+    """
+    n = len(distances)
+    apart = np.where(np.eye(n, dtype=bool), np.inf, distances)
+    if without is None:
+        rank = min(RANK, max(1, n // 2))
+        if n < 2:
+            return np.ones(n)
+        return np.asarray(np.maximum(np.partition(apart, rank - 1, axis=1)[:, rank - 1], 1e-3))
+    if n < 3:
+        return np.ones((len(without), n))
+    rank = min(RANK, max(1, (n - 1) // 2))
+    near = np.partition(apart, (rank - 1, rank), axis=1)[:, rank - 1 : rank + 1]
+    # whoever is among the nearest makes room for the next one when it is left out
+    scales = np.where(near[:, 0] < apart[:, without].T, near[:, 0], near[:, 1])
+    return np.asarray(np.maximum(scales, 1e-3))
 
 
 def affinity(distances: Array, scale: float | Array, scales: Array) -> Array:

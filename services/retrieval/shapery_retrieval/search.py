@@ -2,33 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shapery_contracts.errors import InvalidInput
+from shapery_contracts.retrieval import INDEX_VERSION, VECTOR_DIMENSION
+from shapery_geometry.threads import one_blas_thread
 from shapery_retrieval.arg import Arg
 from shapery_retrieval.matching import UNLIKE, Match, match_packed
-from shapery_retrieval.packing import PackedGraphs, pack
-from shapery_retrieval.ranking import (
-    GROUPS,
-    WHOLE_CUES,
-    affinity,
-    contrast,
-    diffuse,
-    gate,
-    local_scale,
-    part_distances,
-    voted,
-    whole_distances,
-)
+from shapery_retrieval.packing import PackedLevel, pack_levels, part_distances, whole_arrays
+from shapery_retrieval.ranking import GROUPS, affinity, contrast, diffuse, gate, local_scale, local_scales, voted
+from shapery_retrieval.vector import SEGMENTS, PackedGraphs, Vectors, cue_distances, pack, vectors_of
 
-MATCHED = 64
-"""So many shapes, the best by the descriptors of the whole, are matched part by part."""
+BLOCK, MOST_MATCHED = 64, 320
+"""Shapes are matched part by part in blocks of so many, the most promising first, until a block brings nothing among
+the best any more; and not more than so many."""
+RERANKED = 64
+"""So many of the best take part in re-ranking."""
 
 Array = NDArray[np.float64]
+Lay = Callable[[NDArray[np.int64]], tuple[PackedLevel, ...]]
+"""Lays out the levels of the shapes at some places of a bank."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,27 +57,63 @@ class Answer:
 
 
 class Searcher:
-    """A bank laid out in memory, with what is known of its neighbourhoods; it answers one query after another.
+    """A bank, or the part of one that lies near a query, with what is known of its neighbourhoods.
 
     Parameters
     ----------
-    args
-        Graphs of one index version, by the names of their shapes.
+    ids
+        Names of the shapes, in ascending order.
+    vectors : (n, 256) float32
+        Their vectors.
+    lay
+        Gives the graphs of shapes when they are matched.
+    version
+        Index version of all of them.
+    scales
+        Where the local scales by each cue are kept, or are already; they depend on the vectors alone.
     """
 
-    def __init__(self, args: Mapping[str, Arg]) -> None:
-        self.ids: list[str] = sorted(args)
-        self._version = args[self.ids[0]].index_version if args else None
-        self._graphs: PackedGraphs | None = pack([args[name] for name in self.ids]) if args else None
-        self._scales: dict[str, Array] | None = None
-        self._near: NDArray[np.int64] | None = None
-        self._part_scales = np.full(len(self.ids), np.nan)
+    def __init__(
+        self,
+        ids: Sequence[str],
+        vectors: Vectors,
+        lay: Lay,
+        version: int = INDEX_VERSION,
+        scales: dict[str, Array] | None = None,
+    ) -> None:
+        self.ids = list(ids)
+        self._vectors = vectors
+        self._lay = lay
+        self._version = version
+        self._scales = {} if scales is None else scales
+
+    @classmethod
+    def of(cls, args: Mapping[str, Arg]) -> Searcher:
+        """Return a searcher over graphs of one index version by the names of their shapes."""
+        ids = sorted(args)
+        if not ids:
+            return cls([], np.empty((0, VECTOR_DIMENSION), np.float32), lambda _: ())
+        graphs = pack([args[name] for name in ids])
+        return cls(
+            ids,
+            graphs.vectors,
+            lambda places: tuple(level.taken(places) for level in graphs.levels),
+            args[ids[0]].index_version,
+        )
 
     def __len__(self) -> int:
         return len(self.ids)
 
+    @one_blas_thread()
     def search(
-        self, query: Arg, *, limit: int = 20, exclude: str | None = None, partial: bool = False, rerank: bool = False
+        self,
+        query: Arg,
+        *,
+        limit: int = 20,
+        exclude: str | None = None,
+        partial: bool = False,
+        rerank: bool = False,
+        exhaustive: bool = False,
     ) -> Answer:
         """Find the shapes that resemble a query.
 
@@ -96,106 +129,106 @@ class Searcher:
             Whether the query may be a part of what is looked for.
         rerank
             Whether the order of the best follows how they resemble each other, too.
+        exhaustive
+            Whether all shapes are matched part by part, and not the promising ones alone.
         """
-        if self._graphs is None:
+        if not self.ids:
             return Answer((), {group: 1 / len(GROUPS) for group in GROUPS}, 0)
         if query.index_version != self._version:
             raise InvalidInput("conflict", "The query and the bank are of different index versions.", "Index it again.")
         allowed = np.array([name != exclude for name in self.ids])
-        packed = pack([query])
+        levels = pack_levels([query])
+        if allowed.all():
+            packed = PackedGraphs(levels, vectors_of(levels, whole_arrays([query])))
+        else:  # the query is a shape of the bank, whose vector is known
+            packed = PackedGraphs(levels, self._vectors[~allowed])
+        weights: Mapping[str, float] = {"parts": 1.0}
         if partial:
-            scores, weights, compared = self._partial_scores(packed, allowed), {"parts": 1.0}, int(allowed.sum())
+            scores, compared = self._partial_scores(packed.levels, allowed), int(allowed.sum())
         else:
-            scores, weights, compared = self._scores(packed, 0, allowed)
+            wanted = max(limit, RERANKED) if rerank else limit
+            scores, weights, compared = self._scores(packed, allowed, wanted, exhaustive=exhaustive)
         order = np.flatnonzero(allowed)[np.argsort(-scores[allowed], kind="stable")]
         if rerank and not partial:
             order, scores = self._reranked(scores, order)
+        best = order[:limit]
+        found = PackedGraphs(self._lay(best), self._vectors[best])
         hits = [
-            Hit(self.ids[i], float(scores[i]), match_packed(packed, 0, self._graphs, i, partial=partial))
-            for i in order[:limit].tolist()
+            Hit(self.ids[i], float(scores[i]), match_packed(packed, 0, found, place, partial=partial, plans="best"))
+            for place, i in enumerate(best.tolist())
         ]
         return Answer(tuple(hits), weights, compared)
 
     def _scores(
-        self, query: PackedGraphs, index: int, allowed: NDArray[np.bool_]
+        self, query: PackedGraphs, allowed: NDArray[np.bool_], wanted: int, *, exhaustive: bool = False
     ) -> tuple[Array, dict[str, float], int]:
-        assert self._graphs is not None
-        scales, _ = self._neighbourhoods()
-        found: dict[str, Array] = {}
-        for cue, distances in whole_distances(query, index, self._graphs).items():
-            found[cue] = affinity(distances, local_scale(distances[allowed]), scales[cue])
-        groups = {group: voted(group, found) for group in GROUPS if group != "parts"}
-        first = np.where(allowed, sum(groups.values()), -1.0)
-        chosen = np.argsort(-first, kind="stable")[: min(MATCHED, int(allowed.sum()))]
-        distances = part_distances(query, index, self._graphs, chosen)
-        parts = np.zeros(len(self.ids))
-        parts[chosen] = affinity(distances, local_scale(distances), self._part_scales_of(chosen))
-        groups = {"parts": parts, **groups}
-        weights = gate({g: contrast(values[allowed]) for g, values in groups.items()})
-        scores = sum(float(weights[g]) * groups[g] for g in groups)
-        return np.asarray(scores), {g: float(w) for g, w in weights.items()}, len(chosen)
+        """Scores of all, the groups' weights, and how many shapes were matched part by part.
 
-    def _neighbourhoods(self) -> tuple[dict[str, Array], NDArray[np.int64]]:
-        """Local scales by each descriptor of the whole, and for each shape the ones nearest by all of these."""
-        if self._scales is None or self._near is None:
-            assert self._graphs is not None
-            n = len(self.ids)
-            rows = {cue: np.empty((n, n), dtype=np.float32) for cue in WHOLE_CUES}
-            for i in range(n):
-                for cue, distances in whole_distances(self._graphs, i, self._graphs).items():
-                    rows[cue][i] = distances
-                    rows[cue][i, i] = np.inf
-            self._scales = {
-                cue: np.array([local_scale(row.astype(np.float64)) for row in found]) for cue, found in rows.items()
-            }
-            fused = np.zeros((n, n), dtype=np.float32)
-            for group, cues in GROUPS.items():
-                for cue, weight in cues.items() if group != "parts" else ():
-                    scale = self._scales[cue].astype(np.float32)
-                    fused += np.float32(weight) * np.exp(-(rows[cue] ** 2) / np.outer(scale, scale))
-            np.fill_diagonal(fused, -1.0)
-            self._near = np.argsort(-fused, axis=1, kind="stable")[:, : min(MATCHED, n - 1)]
-        return self._scales, self._near
+        What is not matched keeps the score that its vector promises.
+        """
+        if not self._scales:
+            self._scales |= {cue: local_scales(cue_distances(self._vectors, self._vectors, cue)) for cue in SEGMENTS}
+        distances = {cue: cue_distances(query.vectors[0], self._vectors, cue) for cue in SEGMENTS}
+        found = {cue: affinity(d, local_scale(d[allowed]), self._scales[cue]) for cue, d in distances.items()}
+        groups = {group: voted(group, found) for group in GROUPS}
+        scale = local_scale(distances["parts"][allowed])
+        scores, weights = _fused(groups, allowed)
+        promising = np.argsort(-scores, kind="stable")[: int(allowed.sum())]
+        size, most = (len(promising), len(promising)) if exhaustive else (BLOCK, MOST_MATCHED)
+        done = 0
+        while done < min(most, len(promising)):
+            block = promising[done : done + size]
+            done += len(block)
+            divergences = part_distances(query.levels, 0, self._lay(block), np.arange(len(block)))
+            groups["parts"][block] = affinity(divergences, scale, self._scales["parts"][block])
+            scores, weights = _fused(groups, allowed)
+            best = promising[np.argpartition(-scores[promising], min(wanted, len(promising)) - 1)[:wanted]]
+            if done >= 2 * wanted and not np.isin(best, promising[done - len(block) :]).any():
+                break
+        return scores, weights, done
 
-    def _part_scales_of(self, chosen: NDArray[np.int64]) -> Array:
-        """Local scales by the parts of some shapes; computed when first asked for."""
-        assert self._graphs is not None
-        _, near = self._neighbourhoods()
-        for i in chosen[np.isnan(self._part_scales[chosen])].tolist():
-            self._part_scales[i] = local_scale(part_distances(self._graphs, i, self._graphs, near[i]))
-        return np.asarray(self._part_scales[chosen])
-
-    def _partial_scores(self, query: PackedGraphs, allowed: NDArray[np.bool_]) -> Array:
+    def _partial_scores(self, query: Sequence[PackedLevel], allowed: NDArray[np.bool_]) -> Array:
         """Return e to the relaxed cost on the best level; all shapes are matched, because no vector tells of parts."""
-        assert self._graphs is not None
         chosen = np.flatnonzero(allowed)
         best = np.full(len(chosen), np.inf)
-        for own, others in zip(query.levels, self._graphs.levels, strict=True):
+        for own, others in zip(query, self._lay(chosen), strict=True):
             itself = float(own.costs(own, 0, np.array([0]), relaxed=True)[0])
-            best = np.minimum(best, np.maximum(own.costs(others, 0, chosen, relaxed=True) - itself, 0.0))
+            costs = own.costs(others, 0, np.arange(len(chosen)), relaxed=True)
+            best = np.minimum(best, np.maximum(costs - itself, 0.0))
         scores = np.full(len(self.ids), -1.0)
         scores[chosen] = np.exp(-best / UNLIKE)
         return scores
 
     def _reranked(self, scores: Array, order: NDArray[np.int64]) -> tuple[NDArray[np.int64], Array]:
         """Let similarity flow between the best, as far as they were matched."""
-        assert self._graphs is not None
-        pool = order[:MATCHED]
+        pool = order[:RERANKED]
         m = len(pool)
         square = np.eye(m + 1)
         square[0, 1:] = square[1:, 0] = scores[pool]
         everyone = np.ones(len(self.ids), dtype=bool)
-        for row, i in enumerate(pool.tolist(), start=1):
+        graphs = PackedGraphs(self._lay(pool), self._vectors[pool])
+        for row, i in enumerate(pool.tolist()):
             allowed = everyone.copy()
             allowed[i] = False
-            square[row, 1:] = self._scores(self._graphs, i, allowed)[0][pool]
-            square[row, row] = 1.0
+            one = PackedGraphs(
+                tuple(level.taken(np.array([row])) for level in graphs.levels), graphs.vectors[row : row + 1]
+            )
+            square[row + 1, 1:] = self._scores(one, allowed, m)[0][pool]
+            square[row + 1, row + 1] = 1.0
         flowed = diffuse(square)[0, 1:]
         result = scores * 1e-3
         result[pool] = flowed
-        return np.concatenate((pool[np.argsort(-flowed, kind="stable")], order[MATCHED:])), result
+        return np.concatenate((pool[np.argsort(-flowed, kind="stable")], order[RERANKED:])), result
 
 
+def _fused(groups: Mapping[str, Array], allowed: NDArray[np.bool_]) -> tuple[Array, dict[str, float]]:
+    """Weigh the groups by how clearly each sets shapes apart; shapes that are not allowed get −1."""
+    weights = {group: float(w) for group, w in gate({g: contrast(v[allowed]) for g, v in groups.items()}).items()}
+    scores = sum(weights[group] * values for group, values in groups.items())
+    return np.where(allowed, scores, -1.0), weights
+
+
+@one_blas_thread()
 def score_matrix(args: Sequence[Arg], *, rerank: bool = False) -> Array:
     """(n, n) scores of every shape against every other, higher is more alike; 1 on the diagonal.
 
@@ -205,35 +238,22 @@ def score_matrix(args: Sequence[Arg], *, rerank: bool = False) -> Array:
     graphs = pack(args)
     n = len(args)
     everyone = np.arange(n)
-    distances = {cue: np.zeros((n, n)) for cue in (*WHOLE_CUES, "parts")}
-    for i in range(n):
-        for cue, row in whole_distances(graphs, i, graphs).items():
-            distances[cue][i] = row
-        later = everyone[i + 1 :]
-        distances["parts"][i, later] = part_distances(graphs, i, graphs, later)
-        distances["parts"][later, i] = distances["parts"][i, later]
-    scores = np.eye(n)
-    for i in range(n):
-        others = np.flatnonzero(everyone != i)
-        if len(others):
-            scores[i, others] = fused_scores(
-                {cue: d[i, others] for cue, d in distances.items()},
-                {cue: d[np.ix_(others, others)] for cue, d in distances.items()},
-            )
-    return diffuse(scores) if rerank else scores
-
-
-def fused_scores(query: Mapping[str, Array], bank: Mapping[str, Array]) -> Array:
-    """(m,) scores of a query from its (m,) distances by each cue and the bank's own (m, m) ones."""
-    found = {}
-    for cue, distances in query.items():
-        square = bank[cue].copy()
-        np.fill_diagonal(square, np.inf)
-        scales = np.array([local_scale(row) for row in square])
-        found[cue] = affinity(distances, local_scale(distances), scales)
+    found: dict[str, Array] = {}
+    for cue in SEGMENTS:
+        apart = cue_distances(graphs.vectors, graphs.vectors, cue)
+        scales = local_scales(apart, without=everyone)
+        own = local_scales(apart)[:, None]
+        if cue == "parts":
+            for i in everyone[:-1].tolist():
+                later = everyone[i + 1 :]
+                apart[i, later] = apart[later, i] = part_distances(graphs.levels, i, graphs.levels, later)
+        found[cue] = affinity(apart, own, scales)
     groups = {group: voted(group, found) for group in GROUPS}
-    weights = gate({group: contrast(values) for group, values in groups.items()})
-    return np.asarray(sum(float(weights[group]) * groups[group] for group in groups))
+    scores = np.eye(n)
+    for i in everyone.tolist():
+        scores[i] = _fused({group: values[i] for group, values in groups.items()}, everyone != i)[0]
+        scores[i, i] = 1.0
+    return diffuse(scores) if rerank else scores
 
 
 def parts_in(arg: Arg, shares: Sequence[Array]) -> list[NDArray[np.int64]]:

@@ -1,43 +1,114 @@
-"""The vector by which candidates are found: the root's descriptors, projected.
+"""The vector of a graph: what is compared first, over a whole bank, before parts are matched.
+
+The descriptors at the root are projected to their principal axes, and the parts are placed among landmark graphs so
+that squared distances come near to what a matching would give. Axes and landmarks are those of shapes that the project
+generates, so a vector means the same in every bank. Each cue has its own segment, in units of its distances to near
+neighbours.
 
 References
 ----------
-D. Achlioptas, Database-friendly random projections, JCSS 66(4), 2003, doi:10.1016/S0022-0000(03)00025-4.
+V. de Silva, J. Tenenbaum, Sparse multidimensional scaling using landmark points, Stanford, 2004.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shapery_contracts.retrieval import VECTOR_DIMENSION
 from shapery_retrieval.arg import Arg
-from shapery_retrieval.matching import WHOLE_UNLIKE
-from shapery_retrieval.packing import whole_arrays
+from shapery_retrieval.packing import PackedLevel, pack_level, pack_levels, part_distances, whole_arrays
+from shapery_retrieval.vocabulary import CUES, vocabulary
 
-SHARES = {"covariance": 72, "quantiles": 72, "views": 112}
-"""How many of the numbers each descriptor gets."""
+SIZES = MappingProxyType({"covariance": 48, "quantiles": 48, "wave_words": 24, "views": 111, "parts": 25})
+"""How many numbers each cue has. The last one of ``parts`` is the root of what the landmarks leave unexplained."""
 
 
-def vector_of(arg: Arg) -> NDArray[np.float64]:
+def _segments() -> dict[str, slice]:
+    ends = np.cumsum(list(SIZES.values())).tolist()
+    return {cue: slice(end - size, end) for (cue, size), end in zip(SIZES.items(), ends, strict=True)}
+
+
+SEGMENTS: Mapping[str, slice] = MappingProxyType(_segments())
+assert SEGMENTS["parts"].stop == VECTOR_DIMENSION
+
+Vectors = NDArray[np.float32]
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class PackedGraphs:
+    """Several graphs, laid out for matching and for ranking.
+
+    Attributes
+    ----------
+    levels
+        The levels below the root.
+    vectors : (n, 256) float32
+        Their vectors.
+    """
+
+    levels: tuple[PackedLevel, ...]
+    vectors: Vectors
+
+    def __len__(self) -> int:
+        return len(self.vectors)
+
+
+def pack(args: Sequence[Arg]) -> PackedGraphs:
+    """Lay out graphs side by side and compute their vectors; see `pack_levels` for what is refused."""
+    levels = pack_levels(args)
+    return PackedGraphs(levels, vectors_of(levels, whole_arrays(args)))
+
+
+def vector_of(arg: Arg) -> Array:
     """(256,) vector of a graph; shapes near each other by it are worth a closer look."""
-    whole = whole_arrays([arg])
-    parts = []
-    for name, size in SHARES.items():
-        values = whole[name][0].astype(np.float64) / WHOLE_UNLIKE[name]
-        if name == "quantiles":
-            # these are compared by their mean difference, the others by distance
-            values = values / np.sqrt(len(values))
-        parts.append(values @ _projection(len(values), size))
-    result = np.concatenate(parts)
-    assert len(result) == VECTOR_DIMENSION
-    return result.astype(np.float32).astype(np.float64)
+    return np.asarray(pack([arg]).vectors[0], dtype=np.float64)
+
+
+def vectors_of(levels: Sequence[PackedLevel], whole: Mapping[str, NDArray[np.floating]]) -> Vectors:
+    """(n, 256) vectors of graphs from their levels and their descriptors at the root."""
+    words = vocabulary()
+    result = np.empty((len(levels[0]), VECTOR_DIMENSION), dtype=np.float32)
+    for cue in CUES:
+        mean, axes = words.cue_axes[cue]
+        result[:, SEGMENTS[cue]] = (whole[cue] - mean) @ axes
+    result[:, SEGMENTS["parts"]] = _among_landmarks(levels)
+    return result
+
+
+def cue_distances(query: Vectors, vectors: Vectors, cue: str) -> Array:
+    """(n,) distances of a vector from others, or (m, n) of several, by one cue.
+
+    For the parts it is an estimate of `shapery_retrieval.packing.part_distances`, which are squares in nature.
+    """
+    segment = SEGMENTS[cue]
+    own, others = query[..., segment].astype(np.float64), vectors[:, segment].astype(np.float64)
+    own_squares, squares = (own**2).sum(axis=-1), (others**2).sum(axis=1)
+    if cue == "parts":
+        # the rests add up, whatever they are of
+        own, others = own[..., :-1], others[:, :-1]
+    apart = np.maximum(own_squares[..., None] + squares - 2 * (own @ others.T), 0.0)
+    return np.asarray(apart * vocabulary().parts_unit if cue == "parts" else np.sqrt(apart))
 
 
 @cache
-def _projection(rows: int, columns: int) -> NDArray[np.float64]:
-    """Random signs that are the same everywhere, scaled so that lengths are kept on average."""
-    bits = np.random.PCG64(2011 + rows).random_raw(rows * columns) >> np.uint64(63)
-    return np.asarray((2.0 * bits.reshape(rows, columns).astype(np.float64) - 1.0) / np.sqrt(columns))
+def _landmarks() -> tuple[PackedLevel, ...]:
+    args = [Arg.from_bytes(data) for data in vocabulary().landmarks]
+    return tuple(pack_level(args, level) for level in range(1, len(args[0].levels)))
+
+
+def _among_landmarks(levels: Sequence[PackedLevel]) -> Array:
+    words = vocabulary()
+    everyone = np.arange(len(words.landmarks))
+    apart = np.stack([part_distances(levels, i, _landmarks(), everyone) for i in range(len(levels[0]))])
+    places = -0.5 * (apart - words.landmark_mean) @ words.landmark_axes
+    explained = ((places[:, None] - words.landmark_places[None]) ** 2).sum(axis=2)
+    # Each divergence is about the squared distance of two places and a share of either graph that no place explains.
+    rest = np.maximum((apart - explained).mean(axis=1) / 2, 0.0)
+    return np.asarray(np.concatenate((places, np.sqrt(rest)[:, None]), axis=1) / np.sqrt(words.parts_unit))

@@ -6,13 +6,17 @@ evaluated, so a graph means the same in every bank.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
+CUES = ("covariance", "quantiles", "wave_words", "views")
+"""Descriptors at the root."""
 FILE = Path(__file__).with_name("vocabulary.npz")
 
 
@@ -28,6 +32,17 @@ class Vocabulary:
         Mean and principal axes of view features, and words in these axes.
     node_mean, node_spread : (d,) float64
         Of the features of graph nodes, over parts weighted by area.
+    cue_axes
+        For each descriptor at the root its mean and its principal axes, of a length that makes the distance to the
+        twelfth neighbour about the root of the cue's vote.
+    landmarks
+        Graphs, as bytes, among which the parts of others are placed.
+    landmark_mean : (l,), landmark_axes : (l, c), landmark_places : (l, c)
+        Mean divergence from each landmark, the map from divergences to places, and where the landmarks themselves are.
+    parts_unit
+        Divergence of a twelfth neighbour.
+    unlike
+        Mean distance of shapes by each descriptor at the root, in the unit of `cue_axes`.
     """
 
     waves: NDArray[np.float64]
@@ -39,6 +54,13 @@ class Vocabulary:
     view_rarity: NDArray[np.float32]
     node_mean: NDArray[np.float64]
     node_spread: NDArray[np.float64]
+    cue_axes: Mapping[str, tuple[NDArray[np.float32], NDArray[np.float32]]]
+    landmarks: tuple[bytes, ...]
+    landmark_mean: NDArray[np.float64]
+    landmark_axes: NDArray[np.float64]
+    landmark_places: NDArray[np.float64]
+    parts_unit: float
+    unlike: Mapping[str, float]
 
 
 @cache
@@ -56,4 +78,21 @@ def vocabulary() -> Vocabulary:
             view_rarity=stored["view_rarity"].astype(np.float32),
             node_mean=stored["node_mean"].astype(np.float64),
             node_spread=stored["node_spread"].astype(np.float64),
+            cue_axes=MappingProxyType(
+                {
+                    name: (stored[f"{name}.mean"].astype(np.float32), stored[f"{name}.axes"].astype(np.float32))
+                    for name in CUES
+                }
+            ),
+            landmarks=_split(stored["landmarks"], stored["landmark_sizes"]),
+            landmark_mean=stored["landmark_mean"].astype(np.float64),
+            landmark_axes=stored["landmark_axes"].astype(np.float64),
+            landmark_places=stored["landmark_places"].astype(np.float64),
+            parts_unit=float(stored["parts_unit"]),
+            unlike=MappingProxyType({name: float(stored[f"{name}.unlike"]) for name in CUES}),
         )
+
+
+def _split(data: NDArray[np.uint8], sizes: NDArray[np.int64]) -> tuple[bytes, ...]:
+    ends = np.cumsum(sizes).tolist()
+    return tuple(data[end - size : end].tobytes() for end, size in zip(ends, sizes.tolist(), strict=True))

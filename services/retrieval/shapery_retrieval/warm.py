@@ -14,7 +14,7 @@ def warm() -> None:
     egg = ball.with_vertices(ball.vertices * [1.0, 1.3, 2.0])
     found = [describe(mesh) for mesh in (ball, egg)]
     found[1].labels_on(egg, 1)
-    searcher = Searcher({"ball": found[0].arg, "egg": found[1].arg})
+    searcher = Searcher.of({"ball": found[0].arg, "egg": found[1].arg})
     searcher.search(found[0].arg)
     searcher.search(found[0].arg, partial=True)
     preview(egg, 32)

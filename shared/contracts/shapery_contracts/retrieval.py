@@ -8,7 +8,7 @@ from uuid import UUID
 
 from pydantic import BaseModel, ConfigDict, Field
 
-INDEX_VERSION = 1
+INDEX_VERSION = 2
 """Version of everything that is computed from a mesh. Shapes of different versions are never compared: a bank answers
 with those of the version asked for, and a new version means indexing the stored meshes again."""
 
@@ -181,6 +181,8 @@ class Candidate(NamedTuple):
 
     shape_id: str
     distance: float
+    vector: bytes
+    """Its vector: `VECTOR_DIMENSION` little-endian 32-bit numbers."""
 
 
 class ShapeBank(Protocol):

@@ -25,7 +25,7 @@ from tests.support import shapes as fake
 
 
 def found(bank: ShapeBank, seed: int, limit: int = 100, only: ShapeFilter | None = None) -> list[tuple[str, float]]:
-    return [tuple(candidate) for candidate in bank.candidates(fake.vector(seed), limit, only=only)]
+    return [(near.shape_id, near.distance) for near in bank.candidates(fake.vector(seed), limit, only=only)]
 
 
 def expected(ids: dict[str, int], seed: int, limit: int = 100) -> list[tuple[str, float]]:
@@ -167,6 +167,7 @@ def test_a_handler_reads_the_same_over_its_line(database: Database, index: Index
         assert found(client, 3) == found(bank, 3)
         odd = ShapeFilter(collection="odd")
         assert found(client, 3, 2, odd) == found(bank, 3, 2, odd)
+        assert client.candidates(fake.vector(3), 4) == bank.candidates(fake.vector(3), 4), "with their vectors"
         assert client.args([*there, str(uuid4())]) == bank.args(there)
         assert client.args([]) == {}
         assert client.candidates(fake.vector(1), 3, version=99) == []
@@ -223,8 +224,9 @@ def test_vectors_of_a_table_against_all_of_them() -> None:
     query = rng.normal(size=VECTOR_DIMENSION)
     measured = sorted((float(np.linalg.norm(v.astype(float) - query)), shape_id) for shape_id, v in there.items())
     nearest = table.nearest(query, 10, None)
-    assert [shape_id for shape_id, _ in nearest] == [shape_id for _, shape_id in measured[:10]]
-    assert [d for _, d in nearest] == pytest.approx([d for d, _ in measured[:10]], rel=1e-12)
+    assert [near.shape_id for near in nearest] == [str(shape_id) for _, shape_id in measured[:10]]
+    assert [near.distance for near in nearest] == pytest.approx([d for d, _ in measured[:10]], rel=1e-12)
+    assert [near.vector for near in nearest] == [there[shape_id].tobytes() for _, shape_id in measured[:10]]
     some = {shape_id for _, shape_id in measured[5:50]}
     among = table.nearest(query, 10, table.rows(some))
-    assert [shape_id for shape_id, _ in among] == [shape_id for _, shape_id in measured[5:15]]
+    assert [near.shape_id for near in among] == [str(shape_id) for _, shape_id in measured[5:15]]

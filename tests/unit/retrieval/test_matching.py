@@ -23,7 +23,8 @@ from .conftest import torus
 def transport(x: tuple, y: tuple, *, alpha: float, epsilon: float, relaxed: bool = False) -> tuple[float, np.ndarray]:
     plan = np.zeros((len(x[0]), len(y[0])), dtype=np.float32)
     cost = kernels.transport(
-        x[0], x[1], (x[1] ** 2).sum(axis=1), x[2], y[0], y[1], (y[1] ** 2).sum(axis=1), y[2],
+        x[0], np.ascontiguousarray(x[1].T), (x[1] ** 2).sum(axis=1), x[2],
+        y[0], np.ascontiguousarray(y[1].T), (y[1] ** 2).sum(axis=1), y[2],
         np.float32(alpha), np.float32(epsilon), 3, 60, relaxed, plan,
     )  # fmt: skip
     return cost, plan

@@ -11,7 +11,9 @@ from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.mesh_io import read_mesh
 from shapery_retrieval.arg import Arg
 from shapery_retrieval.describe import Description, build_arg
-from shapery_retrieval.matching import WHOLE_UNLIKE, match
+from shapery_retrieval.matching import match
+from shapery_retrieval.vector import cue_distances, pack
+from shapery_retrieval.vocabulary import vocabulary
 
 from .conftest import egg
 
@@ -52,10 +54,9 @@ def moved(name: str) -> TriangleMesh:
 def test_the_same_shape_gives_the_same_graph(described_egg: Description, name: str) -> None:
     found = build_arg(moved(name))
     ours, theirs = described_egg.arg, found
+    vectors = pack([ours, theirs]).vectors
     for cue in ("covariance", "quantiles"):
-        difference = theirs.whole[cue] - ours.whole[cue]
-        apart = np.abs(difference).mean() if cue == "quantiles" else np.linalg.norm(difference)
-        assert apart < 0.15 * WHOLE_UNLIKE[cue], cue
+        assert cue_distances(vectors[0], vectors[1:], cue)[0] < 0.15 * vocabulary().unlike[cue], cue
     # ties between equal distances may move samples, and with them the borders of parts
     assert match(ours, theirs).score > 0.85
     assert match(ours, theirs).levels[1].score > 0.8

@@ -7,10 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from shapery_contracts.retrieval import Candidate
 from shapery_retrieval.arg import Arg
 from shapery_retrieval.describe import Description
-from shapery_retrieval.ranking import affinity, contrast, diffuse, gate, local_scale
-from shapery_retrieval.search import Searcher, score_matrix
+from shapery_retrieval.laid_out import GoneError, Searchers
+from shapery_retrieval.packing import joined, pack_levels, part_distances
+from shapery_retrieval.ranking import affinity, contrast, diffuse, gate, local_scale, local_scales
+from shapery_retrieval.search import BLOCK, Searcher, score_matrix
+from shapery_retrieval.vector import SEGMENTS, cue_distances, pack, vector_of
 
 
 def test_affinity_is_one_at_no_distance_and_free_of_unit() -> None:
@@ -26,6 +30,19 @@ def test_the_local_scale_is_the_distance_to_the_twelfth() -> None:
     assert local_scale(np.array([1.0, 2.0, 3.0, np.inf])) == 2
     assert local_scale(np.zeros(50)) > 0
     assert local_scale(np.array([])) == 1
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 9, 40])
+def test_local_scales_of_a_bank_that_lacks_a_shape_are_those_of_the_others(count: int) -> None:
+    points = np.random.default_rng(count).normal(size=(count, 3))
+    distances = np.linalg.norm(points[:, None] - points[None], axis=2)
+    apart = np.where(np.eye(count, dtype=bool), np.inf, distances)
+    np.testing.assert_allclose(local_scales(distances), [local_scale(row) for row in apart])
+    without = local_scales(distances, without=np.arange(count))
+    for left_out in range(count):
+        others = np.delete(np.arange(count), left_out)
+        expected = [local_scale(row) for row in apart[np.ix_(others, others)]]
+        np.testing.assert_allclose(without[left_out, others], expected)
 
 
 def test_the_gate_follows_the_clearer_cue() -> None:
@@ -102,7 +119,7 @@ def test_each_row_is_a_pure_query(described_egg: Description, described_torus: D
     assert ((scores >= 0) & (scores <= 1)).all()
     # the row of a shape is what a search gives in a bank that has never seen it
     others = {f"{i:02d}": arg for i, arg in enumerate(args) if i != 4}
-    answer = Searcher(others).search(args[4], limit=29)
+    answer = Searcher.of(others).search(args[4], limit=29)
     found = {int(hit.shape_id): hit.score for hit in answer.hits}
     np.testing.assert_allclose([found[i] for i in sorted(found)], np.delete(scores[4], 4), atol=1e-3)
     assert sum(answer.cues.values()) == pytest.approx(1)
@@ -114,7 +131,79 @@ def test_banks_of_any_size_answer(described_egg: Description, described_torus: D
         scores = score_matrix(args, rerank=True)
         assert scores.shape == (count, count)
         assert np.isfinite(scores).all()
-        answer = Searcher({str(i): arg for i, arg in enumerate(args)}).search(described_egg.arg, rerank=True)
+        answer = Searcher.of({str(i): arg for i, arg in enumerate(args)}).search(described_egg.arg, rerank=True)
         assert len(answer.hits) == count
         assert int(answer.hits[0].shape_id) % 2 == 0
-    assert Searcher({}).search(described_egg.arg).hits == ()
+    assert Searcher.of({}).search(described_egg.arg).hits == ()
+
+
+def test_vectors_come_near_to_what_a_matching_gives(described_egg: Description, described_torus: Description) -> None:
+    graphs = pack([described_egg.arg, described_torus.arg])
+    for cue in SEGMENTS:
+        apart = cue_distances(graphs.vectors, graphs.vectors, cue)
+        np.testing.assert_allclose(apart, apart.T, atol=1e-5)
+        own = cue_distances(graphs.vectors[1], graphs.vectors, cue)
+        np.testing.assert_allclose(own, apart[1], atol=1e-5)
+    estimated = cue_distances(graphs.vectors[0], graphs.vectors, "parts")
+    matched = part_distances(graphs.levels, 0, graphs.levels, np.arange(2))
+    assert estimated[0] < 0.5 * estimated[1]
+    # the embedding may take off or add a third
+    assert estimated[1] == pytest.approx(matched[1], rel=0.34)
+
+
+def test_graphs_laid_out_one_by_one_are_those_laid_out_at_once(
+    described_egg: Description, described_torus: Description
+) -> None:
+    args = [described_egg.arg, described_torus.arg, replace(described_egg.arg, levels=described_egg.arg.levels)]
+    for together, apart in zip(pack_levels(args), joined([pack_levels([arg]) for arg in args]), strict=True):
+        for name, values in vars(together).items():
+            np.testing.assert_allclose(getattr(apart, name), values, rtol=1e-6, err_msg=name)
+
+
+class Bank:
+    """A bank that counts what is read of it, and may lose shapes."""
+
+    def __init__(self, args: dict[str, Arg]) -> None:
+        self.stored = {name: arg.to_bytes() for name, arg in args.items()}
+        self.read = 0
+
+    def args(self, ids: list[str]) -> dict[str, bytes]:
+        self.read += len(ids)
+        return {name: self.stored[name] for name in ids if name in self.stored}
+
+
+def candidates(args: dict[str, Arg]) -> list[Candidate]:
+    vectors = pack(list(args.values())).vectors
+    return [Candidate(name, 0.0, vector.tobytes()) for name, vector in zip(args, vectors, strict=True)]
+
+
+def test_a_fast_search_finds_what_an_exhaustive_one_finds_and_reads_less(
+    described_egg: Description, described_torus: Description
+) -> None:
+    count = 4 * BLOCK
+    args = {f"{i:03d}": arg for i, arg in enumerate(bank(described_egg.arg, described_torus.arg, count))}
+    stored, searchers = Bank(args), Searchers()
+    near = candidates(args)
+    fast = searchers.over(stored, near).search(described_egg.arg, limit=10)
+    assert fast.compared < count
+    assert stored.read == fast.compared
+    full = Searcher.of(args).search(described_egg.arg, limit=10, exhaustive=True)
+    assert full.compared == count
+    assert len({hit.shape_id for hit in fast.hits} & {hit.shape_id for hit in full.hits}) >= 9
+    again = searchers.over(stored, near).search(described_egg.arg, limit=10)
+    assert [hit.shape_id for hit in again.hits] == [hit.shape_id for hit in fast.hits]
+    assert stored.read == fast.compared, "what was read is kept"
+
+
+def test_shapes_that_vanish_meanwhile_are_told(described_egg: Description, described_torus: Description) -> None:
+    args = {f"{i}": arg for i, arg in enumerate(bank(described_egg.arg, described_torus.arg, 6))}
+    stored, near = Bank(args), candidates(args)
+    del stored.stored["4"]
+    with pytest.raises(GoneError) as gone:
+        Searchers().over(stored, near).search(described_egg.arg)
+    assert gone.value.ids == {"4"}
+
+
+def test_the_vector_is_that_of_the_stored_graph(described_egg: Description) -> None:
+    again = Arg.from_bytes(described_egg.arg.to_bytes())
+    np.testing.assert_array_equal(vector_of(again), vector_of(described_egg.arg))

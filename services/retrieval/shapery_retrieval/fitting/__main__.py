@@ -1,4 +1,8 @@
-"""``python -m shapery_retrieval.fitting [SHAPES]``: generate shapes and write the shipped vocabulary anew."""
+"""``python -m shapery_retrieval.fitting words|vectors [SHAPES]``: generate shapes and fit the shipped vocabulary anew.
+
+First the words and spreads by which graphs are described; then, with these, the axes and landmarks by which graphs
+become vectors.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapery_contracts.errors import InvalidInput
+from shapery_retrieval.arg import Arg
 from shapery_retrieval.decompose import decompose
+from shapery_retrieval.describe import build_arg
 from shapery_retrieval.fitting.shapes import generated_shape
+from shapery_retrieval.fitting.vectors import fit_vectors
 from shapery_retrieval.nodes import build_levels
 from shapery_retrieval.normalise import normalise
 from shapery_retrieval.signals import compute_signals
@@ -88,6 +95,28 @@ def fit(shapes: int, rng: np.random.Generator) -> dict[str, NDArray[np.generic]]
     }
 
 
+def generated_graphs(shapes: int, rng: np.random.Generator) -> list[Arg]:
+    """Return the graphs of so many generated shapes."""
+    args: list[Arg] = []
+    while len(args) < shapes:
+        mesh = generated_shape(rng)
+        if mesh is not None:
+            args.append(build_arg(mesh))
+            print(f"\r{len(args)} of {shapes} shapes", end="", file=sys.stderr, flush=True)  # noqa: T201
+    print(file=sys.stderr)  # noqa: T201
+    return args
+
+
+def main(stage: str, shapes: int) -> None:
+    """Fit one of the two stages and keep what the file has of the other."""
+    with np.load(FILE, allow_pickle=False) as stored:
+        arrays: dict[str, NDArray[np.generic]] = dict(stored)
+    if stage == "words":
+        arrays |= fit(shapes, np.random.default_rng(2011))
+    else:
+        arrays |= fit_vectors(generated_graphs(shapes, np.random.default_rng(101)), np.random.default_rng(7))
+    np.savez_compressed(FILE, allow_pickle=False, **arrays)
+
+
 if __name__ == "__main__":
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 240
-    np.savez_compressed(FILE, allow_pickle=False, **fit(count, np.random.default_rng(2011)))
+    main(sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else {"words": 240, "vectors": 400}[sys.argv[1]])

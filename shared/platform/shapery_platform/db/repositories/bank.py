@@ -54,8 +54,8 @@ def nearest(
     limit: int,
     collection: str | None,
     labels: Mapping[str, str],
-) -> Sequence[Row[tuple[UUID, float]]]:
-    """Return ids and distances of the shapes nearest to a vector; PostgreSQL alone can tell.
+) -> Sequence[Row[tuple[UUID, float, bytes]]]:
+    """Return ids, distances and vectors of the shapes nearest to a vector; PostgreSQL alone can tell.
 
     The index of neighbours is walked on until enough of them meet the conditions (pgvector 0.8).
     """
@@ -64,7 +64,7 @@ def nearest(
     query = bindparam("vector", vector, type_=Vector(VECTOR_DIMENSION))
     distance: Any = Shape.vector.op("<->", return_type=Float())(query)
     return session.execute(
-        select(Shape.id, distance.label("distance"))
+        select(Shape.id, distance.label("distance"), Shape.vector)
         .where(Shape.owner == owner, Shape.index_version == version, *_conditions(collection, labels))
         .order_by(distance)
         .limit(limit)
