@@ -12,7 +12,7 @@ import {
   principalAxes,
   surfaceOf,
 } from "@/viewers/shape/surface";
-import { ViewLink } from "@/viewers/shape/ViewLink";
+import { type Turn, ViewLink } from "@/viewers/shape/ViewLink";
 
 /** A box with its faces cut into triangles, turned and moved; one corner is pulled out, so that each axis has a heavier side. */
 function box(size: readonly [number, number, number], turn = 0.7, move = 5): ShapeMesh {
@@ -260,21 +260,27 @@ describe("model and graph", () => {
 });
 
 describe("linked views", () => {
-  it("look from one place", () => {
-    const view = (x: number) => {
-      const position = { x };
-      return { position, follow: (from: { x: number }) => Object.assign(position, from) };
+  it("turn together, each from where it began", () => {
+    const view = () => {
+      const made = {
+        turn: { around: 0, down: 0, away: 1 },
+        follow: (turn: Turn) => {
+          made.turn = { ...turn };
+        },
+      };
+      return made;
     };
     const link = new ViewLink();
-    const [one, two, three] = [view(1), view(2), view(3)] as unknown as Parameters<ViewLink["join"]>[0][];
-    if (!one || !two || !three) throw new Error();
-    expect(link.join(one)).toBe(false);
-    expect(link.join(two)).toBe(true);
-    expect(two.position.x).toBe(1);
+    const [one, two, three] = [view(), view(), view()] as const;
+    link.join(one);
+    one.turn = { around: 0.5, down: 0.1, away: 2 };
+    link.join(two);
+    expect(two.turn).toEqual(one.turn);
     link.join(three);
     link.leave(three);
-    one.position.x = 7;
-    link.moved(one);
-    expect([two.position.x, three.position.x]).toEqual([7, 1]);
+    two.turn = { around: -1, down: 0, away: 1 };
+    link.moved(two);
+    expect(one.turn.around).toBe(-1);
+    expect(three.turn.around).toBe(0.5);
   });
 });

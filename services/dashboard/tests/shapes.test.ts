@@ -155,6 +155,13 @@ describe("adding shapes", () => {
     expect(adding.additions.get()).toEqual([]);
   });
 
+  it("indexes what is on the server", async () => {
+    const { adding, requests } = bench(10);
+    await adding.index(["mesh"], "tumors");
+    const items = [{ inputs: { mesh: "mesh" }, params: {} }];
+    expect(requests[0]?.request).toEqual({ kind: "shape-index", params: { collection: "tumors" }, items });
+  });
+
   it("makes no batch of nothing, and tells why one was refused", async () => {
     const nothing = bench(10);
     await nothing.adding.add([parcel("broken.ply")], "bones", {});

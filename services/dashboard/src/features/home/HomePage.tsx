@@ -1,7 +1,7 @@
 import { Paper, SimpleGrid, Stack, Text, Title } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { Link, type LinkProps } from "@tanstack/react-router";
-import { Brain, Film, Layers, type LucideIcon } from "lucide-react";
+import { Brain, Film, Layers, type LucideIcon, Shapes } from "lucide-react";
 import { jobsQuery, kindsQuery, useAssetNames } from "@/api/queries";
 import { isTerminal, type JobKind } from "@/api/types";
 import { LinkAnchor } from "@/app/links";
@@ -39,6 +39,13 @@ const TASKS: readonly Task[] = [
     kind: "segmentation",
   },
   {
+    title: "Find a shape by example",
+    says: "Drop a mesh, or paint a part of one: what in your bank resembles it, whole or in part, in any pose.",
+    icon: Shapes,
+    to: "/shapes/search",
+    kind: "shape-search",
+  },
+  {
     title: "Compress a motion",
     says: "A mesh sequence becomes one small file that plays in the browser, with the error that you allow.",
     icon: Film,
@@ -55,11 +62,11 @@ export function HomePage() {
     <Page
       title="What shape is hidden in it?"
       tab="Start"
-      lead="Surfaces hidden in volumes, and the few motions hidden in long mesh sequences. The work runs here, on this server."
+      lead="Surfaces hidden in volumes, shapes hidden in a bank of shapes, and the few motions hidden in long mesh sequences. The work runs here, on this server."
     >
       <div className={classes.columns}>
         <Stack gap="xl">
-          <SimpleGrid component="nav" cols={{ base: 1, xs: 2, lg: 3 }} spacing="md" aria-label="What you can do">
+          <SimpleGrid component="nav" cols={{ base: 1, xs: 2 }} spacing="md" aria-label="What you can do">
             {TASKS.map((task) => (
               <TaskCard key={task.title} task={task} kind={kinds.data?.find(({ name }) => name === task.kind)} />
             ))}

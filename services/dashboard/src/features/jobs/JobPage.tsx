@@ -12,6 +12,8 @@ import { Empty, Failure, Waiting } from "@/app/Notice";
 import { Page } from "@/app/Page";
 import { useNow } from "@/app/useNow";
 import { isMotionResult } from "@/features/motion/result";
+import { isIndexResult, isSearchResult } from "@/features/shapes/result";
+import { SimilarSurfaces, type SurfaceToFind } from "@/features/shapes/SimilarSurfaces";
 import { isSegmentationResult } from "@/features/segmentation/params";
 import { AsCode } from "@/features/snippets/AsCode";
 import { resultSnippets } from "@/features/snippets/snippets";
@@ -24,6 +26,7 @@ import { StagePath } from "./StagePath";
 import { StageTimes } from "./StageTimes";
 import { StateBadge } from "./StateBadge";
 
+const ShapeJob = lazy(() => import("@/features/shapes/ShapeJob"));
 const MotionView = lazy(() => import("@/features/motion/MotionView"));
 const SegmentationView = lazy(() => import("@/features/segmentation/SegmentationView"));
 
@@ -152,6 +155,7 @@ function Lead({ job }: { job: Job }) {
 
 function Body({ job, assets }: { job: Job; assets: ReadonlyMap<string, Asset> }) {
   if (!isTerminal(job.state)) return <Underway job={job} assets={assets} />;
+  const name = jobName(job, assets);
   if (job.state === "succeeded") {
     if (job.expired) {
       return (
@@ -179,6 +183,7 @@ function Body({ job, assets }: { job: Job; assets: ReadonlyMap<string, Asset> })
             post={assets.get(mainInput(job) ?? "") ?? null}
             facts={
               <>
+                <SimilarSurfaces surfaces={surfacesToFind(job, name)} />
                 <StageTimes stages={job.result.stages} />
                 <JobFacts job={job} assets={assets} />
                 <AsCode title="Fetch this as code" of={(target) => resultSnippets(job, target)} />
@@ -206,11 +211,30 @@ function Body({ job, assets }: { job: Job; assets: ReadonlyMap<string, Asset> })
       </Suspense>
     );
   }
+  if (job.state === "succeeded" && (isIndexResult(job.result) || isSearchResult(job.result))) {
+    return (
+      <Aside job={job} assets={assets}>
+        <Suspense fallback={<Waiting label="Loading the page…" />}>
+          <ShapeJob job={job} />
+        </Suspense>
+      </Aside>
+    );
+  }
   return (
     <Aside job={job} assets={assets}>
       <Ended job={job} />
     </Aside>
   );
+}
+
+/** The surfaces of a segmentation's objects, as examples for a search; `name` is the volume's. */
+function surfacesToFind(job: Job, name: string): SurfaceToFind[] {
+  if (!isSegmentationResult(job.result)) return [];
+  const stem = name.replace(/(\.nii)?\.\w+$/, "");
+  return job.result.objects.flatMap(({ label, surface }) => {
+    const file = job.artifacts.find((artifact) => artifact.name === surface);
+    return file ? [{ title: `object ${label}`, filename: `${stem}-object-${label}.ply`, url: file.url }] : [];
+  });
 }
 
 function Aside({ job, assets, children }: { job: Job; assets: ReadonlyMap<string, Asset>; children: React.ReactNode }) {

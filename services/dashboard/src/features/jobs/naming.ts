@@ -1,6 +1,7 @@
 import type { Asset, Job } from "@/api/types";
 import { isSegmentationResult } from "@/features/segmentation/params";
 import { isMotionResult } from "@/features/motion/result";
+import { isIndexResult, isSearchResult } from "@/features/shapes/result";
 import { bytes, integer, significant, volume } from "@/format/format";
 
 /** The input that a job is known by: the first file of its main input. */
@@ -27,5 +28,7 @@ export function outcome(job: Job): string {
     const { bytes: size, frames, errors } = job.result;
     return `${bytes(size)} for ${integer(frames)} frames, KG error ${significant(errors.kg_percent, 2)} %`;
   }
+  if (isIndexResult(job.result)) return `In the bank, ${job.result.levels.at(-1)?.parts ?? 0} parts`;
+  if (isSearchResult(job.result)) return `${integer(job.result.hits.length)} found`;
   return "";
 }

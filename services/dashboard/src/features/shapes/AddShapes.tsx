@@ -11,7 +11,6 @@ import { adding } from "./adder";
 import { readLabel, readLabels } from "./labels";
 import classes from "./shapes.module.css";
 
-export const MESH_FORMATS = "OBJ, PLY, STL, OFF or GLB: files or a folder.";
 const SHOWN = 4;
 
 interface AddShapesProps {
@@ -56,7 +55,7 @@ function Form({ first, collection, onClose }: { first: readonly Picked[] } & Omi
       {files.length === 0 ? (
         <DropArea
           title="Drop meshes here"
-          says={MESH_FORMATS}
+          says="OBJ, PLY, STL, OFF or GLB: files or a folder."
           limit={info.data ? bytes(info.data.max_upload_bytes) : undefined}
           onPicked={setFiles}
         />

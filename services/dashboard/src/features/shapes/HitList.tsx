@@ -5,17 +5,18 @@ import classes from "./shape.module.css";
 
 interface HitListProps {
   hits: readonly SearchHit[];
+  partial: boolean;
   chosen: string | null;
   onChoose: (id: string) => void;
 }
 
 /** What was found, best first; the chosen one is shown beside the query. */
-export function HitList({ hits, chosen, onChoose }: HitListProps) {
+export function HitList({ hits, partial, chosen, onChoose }: HitListProps) {
   return (
     <ol className={classes.hits} aria-label="Found shapes, best first">
       {hits.map((hit, index) => (
         <li key={hit.shape_id} data-hit={hit.shape.name}>
-          <Tooltip label={scores(hit)} openDelay={600} position="left" multiline maw={260}>
+          <Tooltip label={scores(hit, partial)} openDelay={600} position="left" multiline maw={260}>
             <button
               type="button"
               className={classes.hit}
@@ -45,11 +46,15 @@ export function HitList({ hits, chosen, onChoose }: HitListProps) {
 }
 
 /** The level that fits best, in words. */
-export function best({ level, level_scores }: Pick<SearchHit, "level" | "level_scores">): string {
-  const finest = level >= level_scores.length - 1;
-  return `level ${level}, ${finest ? "fine" : "coarse"} parts`;
+export function best({ level }: Pick<SearchHit, "level">): string {
+  return level === 0 ? "the whole" : `level ${level}, ${level === 1 ? "coarse" : "fine"} parts`;
 }
 
-function scores({ level_scores }: SearchHit): string {
-  return `By level: ${level_scores.map((score, level) => `${level === 0 ? "whole" : level}: ${score.toFixed(2)}`).join(", ")}`;
+/** Parts are compared without the whole. */
+function scores({ level_scores }: SearchHit, partial: boolean): string {
+  const told = level_scores.map((score, place) => {
+    const level = partial ? place + 1 : place;
+    return `${level === 0 ? "whole" : `level ${level}`} ${score.toFixed(2)}`;
+  });
+  return `Scores: ${told.join(", ")}`;
 }

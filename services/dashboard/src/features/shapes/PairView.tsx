@@ -10,7 +10,7 @@ import { modelQuery } from "@/viewers/shape/model";
 import { ViewLink } from "@/viewers/shape/ViewLink";
 import { NoWebGL } from "@/viewers/ViewerFrame";
 import { hasWebGL } from "@/viewers/webgl";
-import { colorLevel, colorParts } from "./coloring";
+import { colorLevel, colorParts, facesOf } from "./coloring";
 import { best } from "./HitList";
 import { PaintPanel } from "./PaintPanel";
 import type { SearchAddress } from "./searching";
@@ -56,6 +56,14 @@ export function PairView({ name, files, hit, parts, address }: PairViewProps) {
     () => (found.data && matched && hit ? colorParts(found.data, hit.level, matched.found, UNMATCHED) : null),
     [found.data, matched, hit],
   );
+  // A region is looked at from where it shows; whole shapes from where their pictures do.
+  const [queryFocus, foundFocus] = useMemo(() => {
+    if (region === "" || !hit || !matched || !query.data || !found.data) return [null, null];
+    return [
+      facesOf(query.data, hit.level, new Set(matched.query.keys())),
+      facesOf(found.data, hit.level, new Set(matched.found.keys())),
+    ];
+  }, [region, hit, matched, query.data, found.data]);
   if (!hasWebGL()) return <NoWebGL />;
   return (
     <Stack gap="md" style={{ minWidth: 0 }}>
@@ -68,6 +76,7 @@ export function PairView({ name, files, hit, parts, address }: PairViewProps) {
               model={query}
               colors={paints ? painting.colors : queryColors}
               link={link}
+              focus={queryFocus}
               onPaint={paints ? painting.onPaint : null}
               tools={
                 <Tooltip label="Paint a region and search with it" openDelay={400}>
@@ -92,6 +101,7 @@ export function PairView({ name, files, hit, parts, address }: PairViewProps) {
               model={found}
               colors={foundColors}
               link={link}
+              focus={foundFocus}
               tools={
                 <LinkButton
                   to="/shapes/$shapeId"

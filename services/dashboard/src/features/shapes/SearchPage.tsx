@@ -15,6 +15,7 @@ import { AsCode } from "@/features/snippets/AsCode";
 import { searchSnippets } from "@/features/snippets/snippets";
 import { capital, integer, percent } from "@/format/format";
 import { HitList } from "./HitList";
+import { KeepShape } from "./KeepShape";
 import { PairView } from "./PairView";
 import { ReindexNotice } from "./ReindexNotice";
 import { SearchOptions } from "./SearchOptions";
@@ -94,6 +95,7 @@ function Searching({ address }: { address: SearchAddress }) {
       }
       actions={
         <Group gap="sm">
+          {asset.data && answer && <KeepShape asset={asset.data} />}
           {address.asset && (answer !== null || error !== null) && (
             <Button variant="default" leftSection={<RotateCw size={15} aria-hidden="true" />} onClick={again}>
               Search again
@@ -151,7 +153,12 @@ function Searching({ address }: { address: SearchAddress }) {
                   </Empty>
                 </Paper>
               ) : (
-                <HitList hits={hits} chosen={chosen?.shape_id ?? null} onChoose={setAsked} />
+                <HitList
+                  hits={hits}
+                  partial={answer.mode === "partial"}
+                  chosen={chosen?.shape_id ?? null}
+                  onChoose={setAsked}
+                />
               )}
             </Stack>
           </div>

@@ -12,7 +12,6 @@ import { DropArea } from "@/features/uploads/DropArea";
 import { gather, type Picked } from "@/features/uploads/gather";
 import { uploads } from "@/features/uploads/uploads";
 import { bytes, percent } from "@/format/format";
-import { MESH_FORMATS } from "./AddShapes";
 import { ShapePicture } from "./ShapePicture";
 import classes from "./shape.module.css";
 import wall from "./shapes.module.css";
@@ -61,7 +60,8 @@ export function SearchStart() {
         ) : (
           <DropArea
             title="Drop a mesh here"
-            says={`${MESH_FORMATS} It is searched with, and not added to the shapes.`}
+            says="OBJ, PLY, STL, OFF or GLB. It is searched with, and not added to the shapes."
+            folders={false}
             limit={info.data ? bytes(info.data.max_upload_bytes) : undefined}
             onPicked={(picked) => void take(picked)}
           />

@@ -36,25 +36,39 @@ export class Adding {
   }
 
   async add(parcels: readonly Parcel[], collection: string, labels: Readonly<Record<string, string>>): Promise<void> {
+    await this.#while(parcels.length, collection, async (id) => {
+      const ids = await this.#dependencies.uploads.add(parcels);
+      this.#change(id, { uploads: ids });
+      const { meshes, refused } = await this.#sorted(await this.#dependencies.uploads.settled(ids));
+      this.#change(id, { refused, total: meshes.length });
+      await this.#index(id, meshes, { collection, ...(Object.keys(labels).length > 0 ? { labels } : {}) });
+    });
+  }
+
+  /** Index meshes that are on the server. */
+  async index(meshes: readonly string[], collection: string): Promise<void> {
+    await this.#while(meshes.length, collection, (id) => this.#index(id, meshes, { collection }));
+  }
+
+  async #while(total: number, collection: string, work: (id: string) => Promise<void>): Promise<void> {
     const id = newIdempotencyKey();
-    const { uploads, batchLimit, createBatch } = this.#dependencies;
-    const start = { id, collection, uploads: [], total: parcels.length, batches: [], refused: [], error: null };
+    const start = { id, collection, uploads: [], total, batches: [], refused: [], error: null };
     this.additions.set([...this.additions.get(), start]);
     try {
-      const ids = await uploads.add(parcels);
-      this.#change(id, { uploads: ids });
-      const { meshes, refused } = await this.#sorted(await uploads.settled(ids));
-      this.#change(id, { refused, total: meshes.length });
-      const limit = await batchLimit();
-      const params = { collection, ...(Object.keys(labels).length > 0 ? { labels } : {}) };
-      for (let from = 0; from < meshes.length; from += limit) {
-        const items = meshes.slice(from, from + limit).map((mesh) => ({ inputs: { mesh }, params: {} }));
-        const batch = await createBatch({ kind: "shape-index", params, items }, `${id}-${from}`);
-        this.#change(id, { batches: [...this.#find(id).batches, batch.id] });
-      }
+      await work(id);
     } catch (error) {
       const { message, hint } = describe(error);
       this.#change(id, { error: `${message} ${hint}`.trim() });
+    }
+  }
+
+  async #index(id: string, meshes: readonly string[], params: BatchCreate["params"]): Promise<void> {
+    const limit = await this.#dependencies.batchLimit();
+    for (let from = 0; from < meshes.length; from += limit) {
+      const items = meshes.slice(from, from + limit).map((mesh) => ({ inputs: { mesh }, params: {} }));
+      const request = { kind: "shape-index", params, items };
+      const batch = await this.#dependencies.createBatch(request, `${id}-${from}`);
+      this.#change(id, { batches: [...this.#find(id).batches, batch.id] });
     }
   }
 

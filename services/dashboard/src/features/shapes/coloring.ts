@@ -34,7 +34,20 @@ export function colorPainted(
 ): Float32Array {
   const parts = model.parts(level);
   const used = new Set(taken);
-  return colorFaces(model.surface.areas.length, (f) =>
-    painted.has(f) ? PAINT : parts && used.has(parts[f] as number) ? TAKEN : PLAIN,
-  );
+  return colorFaces(model.surface.areas.length, (f) => {
+    if (painted.has(f)) return PAINT;
+    const part = parts?.[f] ?? 0;
+    return used.has(part) ? TAKEN : mixed(PLAIN, partColor(part), 0.22); // parts are seen, but do not shine
+  });
+}
+
+function mixed(one: Rgb, other: Rgb, share: number): Rgb {
+  const channel = (k: 0 | 1 | 2) => one[k] + share * (other[k] - one[k]);
+  return [channel(0), channel(1), channel(2)];
+}
+
+/** The faces of some parts of a level. */
+export function facesOf(model: ShapeModel, level: number, parts: ReadonlySet<number>): Int32Array {
+  const own = model.parts(level) ?? new Int32Array();
+  return Int32Array.from([...own.keys()].filter((face) => parts.has(own[face] as number)));
 }

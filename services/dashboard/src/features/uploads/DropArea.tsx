@@ -9,6 +9,8 @@ interface DropAreaProps {
   title?: string;
   says?: string;
   limit?: string | undefined;
+  /** Whether folders are taken as well as files. */
+  folders?: boolean;
 }
 
 /** Takes files and folders, dropped or chosen with the keyboard. */
@@ -17,6 +19,7 @@ export function DropArea({
   title = "Drop volumes here",
   says = "NIfTI, NRRD, MetaImage or DICOM: files, a zip, or a folder of slices.",
   limit,
+  folders = true,
 }: DropAreaProps) {
   const [over, setOver] = useState(false);
   const files = useRef<HTMLInputElement>(null);
@@ -66,16 +69,18 @@ export function DropArea({
       </Text>
       <Group gap="xs" mt="sm" justify="center">
         <Button size="sm" onClick={() => files.current?.click()}>
-          Choose files
+          {folders ? "Choose files" : "Choose a file"}
         </Button>
-        <Button
-          size="sm"
-          variant="default"
-          leftSection={<FolderOpen size={16} />}
-          onClick={() => folder.current?.click()}
-        >
-          Choose a folder
-        </Button>
+        {folders && (
+          <Button
+            size="sm"
+            variant="default"
+            leftSection={<FolderOpen size={16} />}
+            onClick={() => folder.current?.click()}
+          >
+            Choose a folder
+          </Button>
+        )}
       </Group>
       <input
         ref={files}

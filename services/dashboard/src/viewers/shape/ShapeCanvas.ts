@@ -25,7 +25,7 @@ import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
 import type { Graph } from "./graph";
 import { cornerNormals, type Surface } from "./surface";
-import type { ViewLink } from "./ViewLink";
+import type { LinkedView, Turn, ViewLink } from "./ViewLink";
 
 /** The side of a shape that its picture shows. */
 const FRONT = new Vector3(-0.484, 0.407, 0.775).normalize();
@@ -35,7 +35,7 @@ const [MARGIN, NEAREST, FARTHEST] = [1.06, 1.2, 20];
 export type OnPaint = (face: number, at: [number, number, number]) => void;
 
 /** A shape in its principal frame, a color to each face. Draws only when something has changed. */
-export class ShapeCanvas {
+export class ShapeCanvas implements LinkedView {
   readonly canvas = document.createElement("canvas");
   readonly #renderer: WebGLRenderer;
   readonly #scene = new Scene();
@@ -47,6 +47,7 @@ export class ShapeCanvas {
   readonly #resize: ResizeObserver;
   readonly #link: ViewLink | null;
   readonly #surface: Surface;
+  readonly #home = new Spherical();
   #drawing = 0;
   #following = false;
   #paint: OnPaint | null = null;
@@ -96,7 +97,8 @@ export class ShapeCanvas {
     parent.addEventListener("pointerdown", this.#down, { capture: true });
     this.#link = link;
     this.#fit(parent);
-    if (!link?.join(this)) this.look();
+    this.begin(null);
+    link?.join(this);
     this.#resize = new ResizeObserver(() => this.#fit(parent));
     this.#resize.observe(parent);
   }
@@ -107,27 +109,32 @@ export class ShapeCanvas {
     this.canvas.dataset.testid = testId;
   }
 
-  /** Where the camera is, the shape's middle being the origin. */
-  get position(): Vector3 {
-    return this.#camera.position;
+  get turn(): Turn {
+    const now = new Spherical().setFromVector3(this.#camera.position);
+    return {
+      around: now.theta - this.#home.theta,
+      down: now.phi - this.#home.phi,
+      away: now.radius / this.#home.radius,
+    };
   }
 
-  /** Look from where another one looks. */
-  follow(position: Vector3): void {
-    if (this.#camera.position.distanceToSquared(position) < 1e-12) return;
+  follow({ around, down, away }: Turn): void {
     this.#following = true;
-    this.#camera.position.copy(position);
-    this.#controls.update();
+    this.#place(new Spherical(this.#home.radius * away, this.#home.phi + down, this.#home.theta + around));
     this.#following = false;
-    this.draw();
   }
 
-  /** Look at the side that the picture shows, near enough to see all of it. */
+  /** Look at all of the shape. */
   look(): void {
-    this.#camera.position.copy(FRONT).multiplyScalar(this.#distance());
-    this.#controls.target.set(0, 0, 0);
-    this.#controls.update();
-    this.#moved();
+    this.#place(this.#home);
+  }
+
+  /** Begin where some faces show most; null: at the side that the picture shows. */
+  begin(faces: Int32Array | null): void {
+    const towards = (faces && this.#towards(faces)) ?? FRONT;
+    this.#home.setFromVector3(towards.clone().multiplyScalar(this.#distance(towards)));
+    this.#home.phi = Math.min(Math.max(this.#home.phi, 0.3), Math.PI - 0.3);
+    this.look();
   }
 
   /** Red, green and blue of each face, in [0, 1] as on the screen. */
@@ -208,18 +215,45 @@ export class ShapeCanvas {
     this.draw();
   };
 
-  /** How far away all of the shape is seen from the front, and fills the view. */
-  #distance(): number {
+  #place(at: Spherical): void {
+    const radius = Math.min(Math.max(at.radius, NEAREST), FARTHEST);
+    const phi = Math.min(Math.max(at.phi, 0.05), Math.PI - 0.05);
+    this.#camera.position.setFromSpherical(new Spherical(radius, phi, at.theta));
+    this.#controls.update();
+    this.#moved();
+  }
+
+  /** Where some faces look to, on the whole; where they look everywhere, the side on which they lie. */
+  #towards(faces: Int32Array): Vector3 | null {
+    const { areas, middles } = this.#surface;
+    const normals = this.#mesh.geometry.getAttribute("normal");
+    const [facing, place, one] = [new Vector3(), new Vector3(), new Vector3()];
+    let area = 0;
+    for (const f of faces) {
+      const weight = areas[f] as number;
+      area += weight;
+      facing.addScaledVector(one.fromBufferAttribute(normals, 3 * f), weight);
+      place.addScaledVector(one.fromArray(middles, 3 * f), weight);
+    }
+    if (area === 0) return null;
+    const towards = facing.length() > 0.35 * area ? facing : place;
+    return towards.length() > 0.02 * area ? towards.normalize() : null;
+  }
+
+  /** How far away all of the shape is seen from a side, and fills the view. */
+  #distance(towards: Vector3): number {
     const up = Math.tan((this.#camera.fov * Math.PI) / 360);
-    const right = new Vector3(0, 1, 0).cross(FRONT).normalize();
-    const above = FRONT.clone().cross(right);
+    const right = new Vector3(0, 1, 0).cross(towards);
+    if (right.lengthSq() < 1e-6) right.set(1, 0, 0);
+    right.normalize();
+    const above = towards.clone().cross(right);
     const { positions } = this.#surface;
     const point = new Vector3();
     let distance = NEAREST;
     for (let i = 0; i < positions.length; i += 3) {
       point.fromArray(positions, i);
       const beside = Math.abs(point.dot(right)) / this.#camera.aspect;
-      distance = Math.max(distance, point.dot(FRONT) + (MARGIN * Math.max(beside, Math.abs(point.dot(above)))) / up);
+      distance = Math.max(distance, point.dot(towards) + (MARGIN * Math.max(beside, Math.abs(point.dot(above)))) / up);
     }
     return Math.min(distance, FARTHEST);
   }
@@ -299,11 +333,9 @@ export class ShapeCanvas {
       return;
     }
     const at = new Spherical().setFromVector3(this.#camera.position);
-    at.radius = Math.min(Math.max(at.radius * (zoom ?? 1), NEAREST), FARTHEST);
+    at.radius *= zoom ?? 1;
     at.theta += turn?.[0] ?? 0;
-    at.phi = Math.min(Math.max(at.phi + (turn?.[1] ?? 0), 0.05), Math.PI - 0.05);
-    this.#camera.position.setFromSpherical(at);
-    this.#controls.update();
-    this.#moved();
+    at.phi += turn?.[1] ?? 0;
+    this.#place(at);
   };
 }

@@ -16,6 +16,8 @@ interface ShapeViewerProps {
   colors: Float32Array | null;
   graph?: Graph | null;
   link?: ViewLink | null;
+  /** Faces that the view begins with; null begins with the side that the picture shows. */
+  focus?: Int32Array | null;
   /** While set, dragging on the shape paints. */
   onPaint?: OnPaint | null;
   tools?: ReactNode;
@@ -31,6 +33,7 @@ export function ShapeViewer({
   colors,
   graph = null,
   link = null,
+  focus = null,
   onPaint = null,
   tools,
   children,
@@ -80,6 +83,9 @@ export function ShapeViewer({
   useEffect(() => {
     canvas?.drawGraph(graph);
   }, [canvas, graph]);
+  useEffect(() => {
+    if (canvas && focus) canvas.begin(focus);
+  }, [canvas, focus]);
   const paint = useEffectEvent<OnPaint>((face, at) => onPaint?.(face, at));
   useEffect(() => {
     canvas?.paintWith(paints ? (face, at) => paint(face, at) : null);

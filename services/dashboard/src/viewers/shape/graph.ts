@@ -45,7 +45,7 @@ export function graphOf(model: ShapeModel, levels: readonly Level[], level: numb
     const at = [0, 1, 2].map((axis) =>
       there.reduce((sum, part) => sum + ((own.masses[part] ?? 0) / mass) * (centers[part]?.[axis] ?? 0), 0),
     ) as unknown as Vector;
-    above.set(parent, add(at, 1.35 * size(mass), ABOVE));
+    above.set(parent, add(at, (there.length === 1 ? 1.35 : 0.9) * size(mass), ABOVE));
   }
   const nodes = own.masses.map((mass, part) => {
     const at = centers[part];
