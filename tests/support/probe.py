@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import ctypes
 import hashlib
+import json
 import os
 import signal
+import struct
 import subprocess
 import sys
 import time
@@ -59,7 +61,7 @@ class ProbeParams(BaseModel):
     """Whether it looks for a cancel between the steps."""
     mebibytes: int = 0
     previews: bool = False
-    """Whether it shows something before each step: the step's number, and which process it is."""
+    """Whether it shows a surface before each step, which grows, and tells which process it is."""
     seed: int = 0
     artifacts: dict[str, int] = {}
     """Sizes by name."""
@@ -98,7 +100,7 @@ class ProbeHandler:
         for step in range(params.steps if first or params.action != "finish" else 0):
             context.stage(f"step {step + 1}", step / params.steps, f"step {step + 1} of {params.steps}")
             if params.previews:
-                context.preview(lambda step=step: f"step {step + 1} of process {os.getpid()}".encode())
+                context.preview(lambda step=step: octahedron(step + 1))
             time.sleep(params.step_seconds)
             if params.listen:
                 context.check_cancelled()
@@ -145,6 +147,18 @@ class ProbeHandler:
             case _:
                 pass
         return {}
+
+
+def octahedron(size: int) -> bytes:
+    """Return an octahedron with corners `size` mm from its middle as api_schema/evolution.md describes."""
+    frame = {"object": 1, "stage": 0, "iteration": size, "vertices": 6, "faces": 8, "offset": 0}
+    told = {"origin": [-size, -size, -size], "step": size, "frames": [frame], "process": os.getpid()}
+    header = json.dumps(told).encode()
+    header += b" " * (-len(header) % 4)
+    places = [(2, 1, 1), (0, 1, 1), (1, 2, 1), (1, 0, 1), (1, 1, 2), (1, 1, 0)]
+    faces = [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)]
+    body = struct.pack("<18H", *(x for place in places for x in place))
+    return b"SHPEVO1\0" + struct.pack("<I", len(header)) + header + body + struct.pack("<24I", *sum(faces, ()))
 
 
 def claim_file(path: Path) -> bool:

@@ -15,6 +15,7 @@ function event(seq: number, state: JobEvent["state"], fraction = 0): JobEvent {
     stage: "evolve",
     fraction,
     message: "",
+    preview: 0,
     at,
   };
 }

@@ -28,6 +28,7 @@ from shapery_segmentation.evolution import (
 )
 from shapery_segmentation.flow.params import FlowState
 from shapery_segmentation.seeding.ball import surface_of
+from tests.conftest import ROOT
 
 
 def ball(radius: float) -> TriangleMesh:
@@ -128,6 +129,18 @@ def test_many_surfaces_together_stay_within_bounds() -> None:
     assert len(shown[-1]) == 21
     assert sum(len(frame.mesh.vertices) for frame in shown[-1]) <= MOST_AT_ONCE
     assert len(evolution_bytes(shown[-1])) <= MAX_PREVIEW / 2
+
+
+def test_the_dashboard_is_tested_with_what_is_written(tmp_path: Path) -> None:
+    """Its decoder is tested with a file that this wrote. After a change of the format: write it anew, and say so."""
+
+    def corner(place: float, length: float) -> TriangleMesh:
+        points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]) * length + [place, 0, 0]
+        return TriangleMesh(points, np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], dtype=np.int32))
+
+    frames = (Frame(2, 0, 1, corner(10.0, 4.0)), Frame(1, 0, 1, corner(0.0, 1.0)), Frame(1, 1, 5, corner(0.0, 2.0)))
+    golden = ROOT / "services/dashboard/tests/golden/evolution.bin"
+    assert golden.read_bytes() == evolution_bytes(frames)
 
 
 @pytest.mark.parametrize("damage", ["other", "short", "cut"])

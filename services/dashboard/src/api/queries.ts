@@ -218,5 +218,6 @@ export function mergeEvent(job: Job, event: JobEvent): Job {
     stage: event.stage,
     fraction: event.fraction,
     message: event.message,
+    preview: event.preview,
   };
 }

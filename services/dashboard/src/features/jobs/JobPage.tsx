@@ -28,6 +28,7 @@ import { StateBadge } from "./StateBadge";
 
 const ShapeJob = lazy(() => import("@/features/shapes/ShapeJob"));
 const MotionView = lazy(() => import("@/features/motion/MotionView"));
+const LiveSurface = lazy(() => import("@/features/segmentation/LiveSurface"));
 const SegmentationView = lazy(() => import("@/features/segmentation/SegmentationView"));
 
 const route = getRouteApi("/jobs/$jobId");
@@ -282,6 +283,11 @@ function Underway({ job, assets }: { job: Job; assets: ReadonlyMap<string, Asset
           </Text>
         </Group>
       </Paper>
+      {(job.kind === "segmentation" || job.preview > 0) && job.state !== "queued" && (
+        <Suspense fallback={null}>
+          <LiveSurface job={job} />
+        </Suspense>
+      )}
     </Aside>
   );
 }

@@ -45,6 +45,10 @@ export default function SegmentationView({ job, result, post, facts }: Segmentat
   const artifact = (name: string): Artifact | undefined => job.artifacts?.find((one) => one.name === name);
   const labels = artifact("labels.nii.gz");
   const surfaces = useMemo(() => surfacesOf(objects, job.artifacts ?? []), [objects, job.artifacts]);
+  const evolution = useMemo(() => {
+    const file = job.artifacts?.find(({ name }) => name === "evolution.bin");
+    return file ? { url: file.url, size: file.size, color: LABELS[0].color } : null;
+  }, [job.artifacts]);
   const focus = useMemo(() => {
     const object = objects.find(({ label }) => label === chosen) ?? objects[0];
     const [x = 0, y = 0, z = 0] = object?.centroid ?? [];
@@ -98,7 +102,7 @@ export default function SegmentationView({ job, result, post, facts }: Segmentat
           ) : null}
           {surfaces.length > 0 && (
             <Suspense fallback={<Waiting label="Loading the viewer…" />}>
-              <SurfaceViewer surfaces={surfaces} chosen={surfaces.length > 1 ? chosen : null} />
+              <SurfaceViewer surfaces={surfaces} chosen={surfaces.length > 1 ? chosen : null} evolution={evolution} />
             </Suspense>
           )}
         </div>

@@ -1,11 +1,12 @@
-import { ActionIcon, Slider, Text, Tooltip } from "@mantine/core";
-import { Maximize, Palette, Pause, Play } from "lucide-react";
+import { ActionIcon, Tooltip } from "@mantine/core";
+import { Maximize, Palette } from "lucide-react";
 import { useEffect, useRef, useState } from "react";
 import { MotionPlayer, type Opened } from "@/features/motion/player";
 import { download } from "../download";
+import { PlayControls } from "../play/PlayControls";
+import { usePlay } from "../play/usePlay";
 import { ViewerFrame, type ViewerStatus } from "../ViewerFrame";
 import frame from "../viewers.module.css";
-import classes from "./motion.module.css";
 import { MotionCanvas } from "./MotionCanvas";
 
 interface MotionViewerProps {
@@ -80,28 +81,19 @@ export function MotionViewer({ url, size, onFrame }: MotionViewerProps) {
     if (ready && viewer.current) viewer.current.canvas.color(clusters ? viewer.current.opened.labels : null);
   }, [ready, clusters]);
 
-  const at = useRef(0);
-  useEffect(() => {
-    at.current = shown;
-  }, [shown]);
-  useEffect(() => {
-    if (!playing || !ready) return;
-    const began = performance.now();
-    const from = at.current >= count - 1 ? 0 : at.current;
-    let before = -1;
-    let request = 0;
-    const step = (now: number) => {
-      const index = Math.floor(from + ((now - began) / 1000) * fps) % count;
-      // A frame that is not ready in time is left out rather than shown late.
-      if (index !== before && viewer.current && !viewer.current.player.busy) {
-        viewer.current.player.want(index);
-        before = index;
-      }
-      request = requestAnimationFrame(step);
-    };
-    request = requestAnimationFrame(step);
-    return () => cancelAnimationFrame(request);
-  }, [playing, ready, count, fps]);
+  usePlay({
+    playing: playing && ready,
+    count,
+    fps,
+    shown,
+    loop: true,
+    onFrame: (index) => {
+      const player = viewer.current?.player;
+      if (!player || player.busy) return false;
+      player.want(index);
+      return true;
+    },
+  });
 
   return (
     <ViewerFrame
@@ -136,35 +128,13 @@ export function MotionViewer({ url, size, onFrame }: MotionViewerProps) {
     >
       <div ref={parent} className={frame.stage} />
       {ready && (
-        <div className={classes.bar}>
-          <ActionIcon
-            variant="filled"
-            size={32}
-            radius="xl"
-            aria-label={playing ? "Pause" : "Play"}
-            disabled={count < 2}
-            onClick={() => setPlaying(!playing)}
-          >
-            {playing ? <Pause size={16} /> : <Play size={16} />}
-          </ActionIcon>
-          <Slider
-            className={classes.slider ?? ""}
-            thumbLabel="Frame"
-            label={null}
-            size="sm"
-            min={0}
-            max={Math.max(count - 1, 1)}
-            disabled={count < 2}
-            value={shown}
-            onChange={(index) => {
-              setPlaying(false);
-              viewer.current?.player.want(index);
-            }}
-          />
-          <Text size="xs" c="gray.3" className={classes.place ?? ""} data-testid="frame">
-            {shown + 1} / {count}
-          </Text>
-        </div>
+        <PlayControls
+          count={count}
+          shown={shown}
+          playing={playing}
+          onPlaying={setPlaying}
+          onFrame={(index) => viewer.current?.player.want(index)}
+        />
       )}
     </ViewerFrame>
   );

@@ -2,7 +2,8 @@ import {
   AmbientLight,
   Box3,
   Box3Helper,
-  type BufferGeometry,
+  BufferAttribute,
+  BufferGeometry,
   CanvasTexture,
   Color,
   DirectionalLight,
@@ -25,6 +26,7 @@ import {
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { PLYLoader } from "three/examples/jsm/loaders/PLYLoader.js";
+import type { Frame } from "./evolution";
 
 export interface SurfaceSource {
   id: number;
@@ -57,10 +59,15 @@ export class SurfaceCanvas {
   readonly #controls: OrbitControls;
   readonly #surfaces = new Map<number, Surface>();
   readonly #frame = new Group();
+  /** Surfaces on their way; while there are any, nothing else is shown. */
+  readonly #growing = new Group();
   readonly #resize: ResizeObserver;
   #drawing = 0;
   #edges = false;
   #chosen: number | null = null;
+  /** The sphere that one looked at last, and whether somebody has moved the camera since. */
+  #seen = new Sphere();
+  #moved = false;
 
   constructor(parent: HTMLElement) {
     this.canvas = document.createElement("canvas");
@@ -82,9 +89,12 @@ export class SurfaceCanvas {
       new HemisphereLight("#dfeeee", "#3a4a50", 1.1),
       new AmbientLight("#ffffff", 0.25),
       this.#frame,
+      this.#growing,
     );
+    this.#growing.visible = false;
     this.#controls = new OrbitControls(this.#camera, this.canvas);
     this.#controls.addEventListener("change", this.draw);
+    this.#controls.addEventListener("start", () => (this.#moved = true));
     this.canvas.addEventListener("keydown", this.#key);
     this.#resize = new ResizeObserver(() => this.#fitSize(parent));
     this.#resize.observe(parent);
@@ -97,24 +107,45 @@ export class SurfaceCanvas {
     // Surfaces are written in double precision, which graphics cards don't take.
     geometry.setAttribute("position", new Float32BufferAttribute(new Float32Array(position.array), 3));
     geometry.computeVertexNormals();
-    const material = new MeshStandardMaterial({
-      color,
-      roughness: 0.5,
-      metalness: 0.02,
-      side: DoubleSide,
-    });
-    const mesh = new Mesh(geometry, material);
+    const mesh = new Mesh(geometry, matter(color));
     this.#scene.add(mesh);
     this.#surfaces.set(id, { mesh, edges: null, color: new Color(color), opacity: 1 });
     this.#restyle();
   }
 
-  /** Look at everything from the front, a little from the right and above; or at one surface, keeping the direction. */
-  look(id: number | null = null): void {
+  /** Show coarse surfaces in the place of all that were added; null shows those again. */
+  grow(frames: readonly Frame[] | null, color: string): void {
+    this.#clearGrowing();
+    for (const { positions, faces } of frames ?? []) {
+      const geometry = new BufferGeometry();
+      geometry.setAttribute("position", new BufferAttribute(positions, 3));
+      geometry.setIndex(new BufferAttribute(faces, 1));
+      geometry.computeVertexNormals();
+      this.#growing.add(new Mesh(geometry, matter(color)));
+    }
+    this.#growing.visible = frames !== null;
+    this.#restyle();
+  }
+
+  /** Keep what grows in sight as long as nobody has moved the camera. */
+  follow(): void {
+    const { center, radius } = new Box3().setFromObject(this.#growing).getBoundingSphere(new Sphere());
+    if (this.#moved || !(radius > 0)) return;
+    const away = center.distanceTo(this.#seen.center) + radius;
+    // With room to grow into: a camera that steps back all the time would hide the growth.
+    if (away > this.#seen.radius || radius < this.#seen.radius * 0.4) this.look(null, 1.6);
+  }
+
+  /** Look at everything from the front, a little from the right and above; or at one surface, keeping the direction.
+   * `room` says how much larger than what there is. */
+  look(id: number | null = null, room = 1): void {
     const box = new Box3();
     for (const [one, { mesh }] of this.#surfaces) if (id === null || id === one) box.expandByObject(mesh);
+    if (box.isEmpty()) box.expandByObject(this.#growing);
     if (box.isEmpty()) return;
-    const { center, radius } = box.getBoundingSphere(new Sphere());
+    const { center } = box.getBoundingSphere(this.#seen);
+    const radius = (this.#seen.radius *= room);
+    this.#moved = false;
     const direction =
       id === null ? new Vector3(0.45, 1, 0.4) : new Vector3().subVectors(this.#camera.position, this.#controls.target);
     const narrow = Math.min(1, this.#camera.aspect);
@@ -159,6 +190,7 @@ export class SurfaceCanvas {
       edges?.geometry.dispose();
       edges?.material.dispose();
     }
+    this.#clearGrowing();
     this.#clearLetters();
     this.#renderer.dispose();
     this.#renderer.forceContextLoss();
@@ -180,7 +212,7 @@ export class SurfaceCanvas {
       material.opacity = surface.opacity * (faded ? 0.28 : 1);
       material.transparent = material.opacity < 1;
       material.depthWrite = !material.transparent;
-      surface.mesh.visible = surface.opacity > 0;
+      surface.mesh.visible = surface.opacity > 0 && !this.#growing.visible;
       material.needsUpdate = true;
       if (this.#edges && !surface.edges) {
         const line = new LineBasicMaterial({
@@ -216,6 +248,15 @@ export class SurfaceCanvas {
         .addScalar(margin * 1.5);
       sprite.position.copy(center).add(direction.clone().multiply(reach));
       this.#frame.add(sprite);
+    }
+  }
+
+  #clearGrowing(): void {
+    for (const child of [...this.#growing.children]) {
+      this.#growing.remove(child);
+      if (!(child instanceof Mesh)) continue;
+      (child as Surface["mesh"]).geometry.dispose();
+      (child as Surface["mesh"]).material.dispose();
     }
   }
 
@@ -258,6 +299,7 @@ export class SurfaceCanvas {
     }
     if (!turn && !zoom) return;
     event.preventDefault();
+    this.#moved = true;
     const offset = new Vector3().subVectors(this.#camera.position, this.#controls.target);
     if (zoom) offset.multiplyScalar(zoom);
     if (turn) {
@@ -271,6 +313,10 @@ export class SurfaceCanvas {
     this.#controls.update();
     this.draw();
   };
+}
+
+function matter(color: string): MeshStandardMaterial {
+  return new MeshStandardMaterial({ color, roughness: 0.5, metalness: 0.02, side: DoubleSide });
 }
 
 function letterTexture(letter: string): CanvasTexture {

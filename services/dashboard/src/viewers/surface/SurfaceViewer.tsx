@@ -1,9 +1,13 @@
 import { ActionIcon, Tooltip } from "@mantine/core";
-import { Grid3x3, Maximize } from "lucide-react";
+import { Clapperboard, Grid3x3, Maximize } from "lucide-react";
 import { useEffect, useEffectEvent, useRef, useState } from "react";
+import { sayFailure } from "@/app/say";
 import { download } from "../download";
+import { PlayControls } from "../play/PlayControls";
+import { usePlay } from "../play/usePlay";
 import { ViewerFrame, type ViewerStatus } from "../ViewerFrame";
 import frame from "../viewers.module.css";
+import { type Frame, readEvolution, sceneAt } from "./evolution";
 import { LayerMenu, type Opacities } from "./LayerMenu";
 import { SurfaceCanvas } from "./SurfaceCanvas";
 
@@ -20,13 +24,18 @@ export interface SurfaceFile {
 interface SurfaceViewerProps {
   surfaces: readonly SurfaceFile[];
   chosen: number | null;
+  /** How the surfaces came to be. */
+  evolution?: { url: string; size: number; color: string } | null;
 }
+
+/** Of a replay: an object has 25 frames at the most. */
+const FPS = 10;
 
 /**
  * The recovered surfaces in space. Drawn with three rather than niivue: a lit mesh one turns and inspects down to its
  * edges, one color and opacity to each object, and the same code for the meshes of shapes and motions.
  */
-export function SurfaceViewer({ surfaces, chosen }: SurfaceViewerProps) {
+export function SurfaceViewer({ surfaces, chosen, evolution = null }: SurfaceViewerProps) {
   const parent = useRef<HTMLDivElement>(null);
   const viewer = useRef<SurfaceCanvas | null>(null);
   const [status, setStatus] = useState<ViewerStatus>({
@@ -37,6 +46,10 @@ export function SurfaceViewer({ surfaces, chosen }: SurfaceViewerProps) {
   const [attempt, setAttempt] = useState(0);
   const [edges, setEdges] = useState(false);
   const [opacities, setOpacities] = useState<Opacities>({});
+  const [replaying, setReplaying] = useState(false);
+  const [frames, setFrames] = useState<readonly Frame[]>([]);
+  const [shown, setShown] = useState(0);
+  const [playing, setPlaying] = useState(false);
   const files = useEffectEvent(() => surfaces);
   const key = surfaces.map(({ url }) => url).join(" ");
 
@@ -98,6 +111,40 @@ export function SurfaceViewer({ surfaces, chosen }: SurfaceViewerProps) {
     for (const [id, group] of groupOf()) viewer.current.fade(id, opacities[group] ?? 1);
   }, [ready, opacities]);
 
+  useEffect(() => {
+    if (!replaying || frames.length > 0 || !evolution) return;
+    const controller = new AbortController();
+    download(evolution.url, evolution.size, () => undefined, controller.signal)
+      .then((content) => {
+        setFrames(readEvolution(content));
+        setShown(0);
+        setPlaying(true);
+      })
+      .catch((error: unknown) => {
+        if (controller.signal.aborted) return;
+        setReplaying(false);
+        sayFailure("How it grew cannot be shown", error);
+      });
+    return () => controller.abort();
+  }, [replaying, frames, evolution]);
+  const on = ready && replaying && frames.length > 0;
+  const color = evolution?.color ?? "";
+  useEffect(() => {
+    if (ready) viewer.current?.grow(on ? sceneAt(frames, shown) : null, color);
+  }, [ready, on, frames, shown, color]);
+  usePlay({
+    playing: playing && on,
+    count: frames.length,
+    fps: FPS,
+    shown,
+    loop: false,
+    onFrame: (index) => {
+      setShown(index);
+      return true;
+    },
+    onEnd: () => setPlaying(false),
+  });
+
   return (
     <ViewerFrame
       label="Surface"
@@ -105,6 +152,23 @@ export function SurfaceViewer({ surfaces, chosen }: SurfaceViewerProps) {
       onRetry={() => setAttempt((before) => before + 1)}
       tools={
         <>
+          {evolution && (
+            <Tooltip label="Watch how it grew" openDelay={400}>
+              <ActionIcon
+                variant={replaying ? "filled" : "default"}
+                size={30}
+                aria-label="Watch how it grew"
+                aria-pressed={replaying}
+                onClick={() => {
+                  setReplaying(!replaying);
+                  setShown(0);
+                  setPlaying(!replaying);
+                }}
+              >
+                <Clapperboard size={16} />
+              </ActionIcon>
+            </Tooltip>
+          )}
           <LayerMenu surfaces={surfaces} opacities={opacities} onChange={setOpacities} />
           <Tooltip label="Show the mesh's edges" openDelay={400}>
             <ActionIcon
@@ -131,6 +195,9 @@ export function SurfaceViewer({ surfaces, chosen }: SurfaceViewerProps) {
       }
     >
       <div ref={parent} className={frame.stage} />
+      {on && (
+        <PlayControls count={frames.length} shown={shown} playing={playing} onPlaying={setPlaying} onFrame={setShown} />
+      )}
     </ViewerFrame>
   );
 }

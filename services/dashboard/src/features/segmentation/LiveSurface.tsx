@@ -1,0 +1,87 @@
+import { Center, Text } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { useEffect, useRef, useState } from "react";
+import { apiFetch } from "@/api/client";
+import type { Job } from "@/api/types";
+import { LABELS } from "@/viewers/labels";
+import { type Frame, readEvolution } from "@/viewers/surface/evolution";
+import { SurfaceCanvas } from "@/viewers/surface/SurfaceCanvas";
+import { ViewerFrame, type ViewerStatus } from "@/viewers/ViewerFrame";
+import frame from "@/viewers/viewers.module.css";
+import { hasWebGL } from "@/viewers/webgl";
+import classes from "./segmentation.module.css";
+
+/** The surfaces of a segmentation that runs, as they are just now. */
+export default function LiveSurface({ job }: { job: Job }) {
+  const parent = useRef<HTMLDivElement>(null);
+  const viewer = useRef<SurfaceCanvas | null>(null);
+  const [status, setStatus] = useState<ViewerStatus>({ is: "ready" });
+  const [attempt, setAttempt] = useState(0);
+  const preview = useQuery({
+    queryKey: ["jobs", "preview", job.id, job.attempt, job.preview],
+    enabled: job.preview > 0,
+    staleTime: Number.POSITIVE_INFINITY,
+    gcTime: 0,
+    retry: false,
+    queryFn: async ({ signal }): Promise<Frame[] | null> => {
+      const response = await apiFetch(`/v1/jobs/${job.id}/preview`, { signal });
+      return response.status === 204 ? null : readEvolution(await response.arrayBuffer());
+    },
+    // Until the next one is here, the last one stays; also where the work has just ended.
+    placeholderData: (before) => before,
+  });
+  const frames = preview.data ?? null;
+  const there = frames !== null;
+
+  useEffect(() => {
+    const element = parent.current;
+    if (!element || !there) return;
+    const canvas = new SurfaceCanvas(element);
+    canvas.canvas.dataset.testid = "live";
+    canvas.canvas.setAttribute(
+      "aria-label",
+      "The surface as it grows, in 3D. Arrow keys turn it, plus and minus zoom.",
+    );
+    const lost = (event: Event) => {
+      event.preventDefault();
+      setStatus({ is: "lost" });
+    };
+    canvas.canvas.addEventListener("webglcontextlost", lost);
+    viewer.current = canvas;
+    return () => {
+      canvas.canvas.removeEventListener("webglcontextlost", lost);
+      viewer.current = null;
+      canvas.close();
+    };
+  }, [there, attempt]);
+  useEffect(() => {
+    if (!frames || !viewer.current) return;
+    viewer.current.grow(frames, LABELS[0].color);
+    viewer.current.follow();
+    viewer.current.canvas.dataset.preview = String(frames.reduce((sum, { faces }) => sum + faces.length / 3, 0));
+  }, [frames, attempt]);
+
+  if (!hasWebGL()) return null;
+  return (
+    <div className={classes.live}>
+      <ViewerFrame
+        label="As it grows"
+        status={status}
+        tools={null}
+        onRetry={() => {
+          setStatus({ is: "ready" });
+          setAttempt((before) => before + 1);
+        }}
+      >
+        <div ref={parent} className={frame.stage} />
+        {!there && (
+          <Center h="100%" p="lg">
+            <Text size="sm" c="gray.5" ta="center">
+              The surface will be seen here as soon as it grows.
+            </Text>
+          </Center>
+        )}
+      </ViewerFrame>
+    </div>
+  );
+}

@@ -1,0 +1,47 @@
+import { ActionIcon, Slider, Text } from "@mantine/core";
+import { Pause, Play } from "lucide-react";
+import classes from "./play.module.css";
+
+interface PlayControlsProps {
+  count: number;
+  shown: number;
+  playing: boolean;
+  onPlaying: (playing: boolean) => void;
+  /** Someone wants to see a frame; playing stops. */
+  onFrame: (index: number) => void;
+}
+
+/** Play, pause, and a slider over the frames, at the foot of a viewer. */
+export function PlayControls({ count, shown, playing, onPlaying, onFrame }: PlayControlsProps) {
+  return (
+    <div className={classes.bar}>
+      <ActionIcon
+        variant="filled"
+        size={32}
+        radius="xl"
+        aria-label={playing ? "Pause" : "Play"}
+        disabled={count < 2}
+        onClick={() => onPlaying(!playing)}
+      >
+        {playing ? <Pause size={16} /> : <Play size={16} />}
+      </ActionIcon>
+      <Slider
+        className={classes.slider ?? ""}
+        thumbLabel="Frame"
+        label={null}
+        size="sm"
+        min={0}
+        max={Math.max(count - 1, 1)}
+        disabled={count < 2}
+        value={shown}
+        onChange={(index) => {
+          onPlaying(false);
+          onFrame(index);
+        }}
+      />
+      <Text size="xs" c="gray.3" className={classes.place ?? ""} data-testid="frame">
+        {shown + 1} / {count}
+      </Text>
+    </div>
+  );
+}
