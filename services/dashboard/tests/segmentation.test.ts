@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 import { problemFrom } from "@/api/problem";
 import { changedParams } from "@/features/jobs/changedParams";
 import { drawableName } from "@/features/segmentation/drawable";
-import { parseSeeds } from "@/features/segmentation/params";
+import { DEFAULTS, parseBox, parseSeeds, readChoices } from "@/features/segmentation/params";
 import { guessRoles, pairUp } from "@/features/segmentation/roles";
 import { LABELS, rgb } from "@/viewers/labels";
 
@@ -19,8 +19,19 @@ describe("guessRoles", () => {
     [["flair.nii.gz", "t2.nii.gz"], null, null],
     [["postman.nii.gz", "other.nii.gz"], null, null],
   ])("%j: after %s, before %s", (names, post, pre) => {
-    expect(guessRoles(volumes(...names))).toEqual({ post, pre });
-    expect(guessRoles(volumes(...names).reverse())).toEqual({ post, pre });
+    expect(guessRoles(volumes(...names))).toEqual({ post, pre, vessels: null });
+    expect(guessRoles(volumes(...names).reverse())).toEqual({ post, pre, vessels: null });
+  });
+  it.each(["swi.nii.gz", "case_SWI.nii", "TOF-MRA.nii.gz", "angiography.nrrd"])("%s shows vessels", (vessels) => {
+    expect(guessRoles(volumes("t1c.nii.gz", vessels, "t1.nii.gz"))).toEqual({
+      post: "t1c.nii.gz",
+      pre: "t1.nii.gz",
+      vessels,
+    });
+    expect(guessRoles(volumes("scan.nii", vessels)).post).toBe("scan.nii");
+  });
+  it("does not take other words for vessels", () => {
+    expect(guessRoles(volumes("swimmer.nii", "octave.nii")).vessels).toBeNull();
   });
 });
 
@@ -40,6 +51,46 @@ describe("parseSeeds", () => {
   it("keeps the server's limit", () => {
     expect(parseSeeds("0 0 0\n".repeat(65)).problem).toMatch(/64/);
     expect(parseSeeds("0 0 0\n".repeat(64)).seeds).toHaveLength(64);
+  });
+});
+
+describe("parseBox", () => {
+  it("reads two corners, or none", () => {
+    expect(parseBox("-10, 0 20; 30,45 60")).toEqual({ box: [-10, 0, 20, 30, 45, 60], problem: null });
+    expect(parseBox("  ")).toEqual({ box: null, problem: null });
+  });
+  it.each(["1 2 3", "1 2 3 4 5 6 7", "1 2 3 4 5 x"])("refuses %j", (text) => {
+    expect(parseBox(text)).toMatchObject({ box: null, problem: expect.stringMatching(/six numbers/) as string });
+  });
+});
+
+describe("readChoices", () => {
+  it("sends nothing that the server assumes anyway", () => {
+    expect(readChoices(DEFAULTS, true)).toEqual({ problems: {}, params: {} });
+  });
+  it("sends what differs", () => {
+    const choices = { ...DEFAULTS, mode: "object", box: "0 0 0 9 9 9", register: false, edgeLength: 0.7 } as const;
+    expect(readChoices(choices, false)).toEqual({
+      problems: {},
+      params: { mode: "object", box: [0, 0, 0, 9, 9, 9], register_volumes: false, edge_length: 0.7 },
+    });
+  });
+  it("speaks of vessels only where a volume shows them", () => {
+    const choices = { ...DEFAULTS, polarity: "dark", microhemorrhages: "off", vesselSeeds: "1 2 3" } as const;
+    expect(readChoices(choices, false).params).toEqual({});
+    expect(readChoices(choices, true).params).toEqual({
+      polarity: "dark",
+      microhemorrhages: "off",
+      vessel_seeds: [[1, 2, 3]],
+    });
+    expect(readChoices({ ...DEFAULTS, vesselSeeds: "x" }, true).problems).toHaveProperty("vesselSeeds");
+    expect(readChoices({ ...DEFAULTS, vesselSeeds: "x" }, false).problems).toEqual({});
+  });
+  it("asks which object is meant", () => {
+    expect(readChoices({ ...DEFAULTS, mode: "object" }, false).problems).toHaveProperty("mode");
+    expect(readChoices({ ...DEFAULTS, mode: "object", seeds: "1 2 3" }, false).problems).toEqual({});
+    expect(readChoices({ ...DEFAULTS, mode: "object", seeds: "1 2" }, false).problems).toHaveProperty("seeds");
+    expect(readChoices({ ...DEFAULTS, mode: "tumor", box: "0 0 0 9 9 9" }, false).problems).toHaveProperty("box");
   });
 });
 

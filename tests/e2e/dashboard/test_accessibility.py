@@ -78,7 +78,7 @@ def test_pages_are_open_to_everyone(
     page.watch.allowed.append("422")
     page.get_by_test_id("files").set_input_files(junk)
     page.locator("li[data-state=failed]").wait_for()
-    page.get_by_role("button", name="Advanced").click()
+    page.get_by_role("button", name="Details").click()
     page.get_by_label("Seed points").wait_for()
     faults["upload"] = serious(page, axe)
     assert {name: found for name, found in faults.items() if found} == {}

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from shapery_geometry.volume import Volume
 from shapery_geometry.volume_io import read_volume
+from shapery_segmentation.evolution import read_evolution
 from tests.e2e.dashboard.conftest import OpenPage
 from tests.support.browser import Watch, picture
 
@@ -153,18 +154,7 @@ def test_the_surface_is_drawn_as_it_is(open_page: OpenPage, segmented: dict[str,
             for found in segmented["result"]["objects"]
         ]
     )
-    low, high = points.min(axis=0), points.max(axis=0)
-    towards = np.array([0.45, 1.0, 0.4]) / np.linalg.norm([0.45, 1.0, 0.4])
-    half = np.radians(16)
-    distance = 1.1 * np.linalg.norm(high - low) / 2 / np.sin(half) / min(1, width / height)
-    right = np.cross(-towards, [0, 0, 1])
-    right /= np.linalg.norm(right)
-    above = np.cross(right, -towards)
-    seen = points - (low + high) / 2
-    depth = (distance - seen @ towards) * np.tan(half)
-    columns = width / 2 + seen @ right / depth * height / 2
-    rows = height / 2 - seen @ above / depth * height / 2
-    expected = [[rows.min(), rows.max()], [columns.min(), columns.max()]]
+    expected = silhouette(points, points, (height, width))
     lit = tumor_colored(pixels)
     np.testing.assert_allclose(box(lit), expected, atol=8)
 
@@ -177,6 +167,54 @@ def test_the_surface_is_drawn_as_it_is(open_page: OpenPage, segmented: dict[str,
     page.keyboard.press("Home")
     page.wait_for_timeout(500)
     assert (tumor_colored(picture(canvas)) != lit).sum() < 0.02 * lit.sum()
+
+
+def test_how_it_grew_is_played_and_scrubbed(
+    open_page: OpenPage, segmented: dict[str, Any], api: httpx.Client, tmp_path: Path
+) -> None:
+    """From a small surface to the one that was found; the picture covers as much as the frames do."""
+    (tmp_path / "evolution.bin").write_bytes(api.get(f"/v1/jobs/{segmented['id']}/artifacts/evolution.bin").content)
+    frames = read_evolution(tmp_path / "evolution.bin")
+    page = open_page(f"/jobs/{segmented['id']}")
+    wait_for_pictures(page)
+    viewer = page.locator("section[aria-label=Surface]")
+    viewer.get_by_role("button", name="Watch how it grew").click()
+    viewer.get_by_text(f"{len(frames)} / {len(frames)}").wait_for()
+    viewer.get_by_role("button", name="Play").wait_for()  # it has ended by itself
+    canvas = page.get_by_test_id("surface")
+    page.wait_for_timeout(500)
+    ends = {frame.object: frame.mesh.vertices for frame in frames}
+    everything = np.concatenate(list(ends.values()))
+    whole = picture(canvas)
+    np.testing.assert_allclose(box(tumor_colored(whole)), silhouette(everything, everything, whole.shape), atol=8)
+    viewer.get_by_role("slider", name="Frame").press("Home")
+    viewer.get_by_text(f"1 / {len(frames)}").wait_for()
+    page.wait_for_timeout(500)
+    first = tumor_colored(picture(canvas))
+    expected = silhouette(frames[0].mesh.vertices, everything, whole.shape)
+    np.testing.assert_allclose(box(first), expected, atol=8)
+    viewer.get_by_role("button", name="Watch how it grew").click()
+    page.wait_for_timeout(500)
+    assert tumor_colored(picture(canvas)).sum() > 500
+    assert viewer.get_by_role("slider", name="Frame").count() == 0
+
+
+def silhouette(points: NDArray[np.float64], looked_at: NDArray[np.float64], shape: tuple[int, ...]) -> NDArray[Any]:
+    """Where points are seen, as `box` tells it, when one looks at others from the front, a little from the right and
+    above."""
+    height, width = shape[:2]
+    low, high = looked_at.min(axis=0), looked_at.max(axis=0)
+    towards = np.array([0.45, 1.0, 0.4]) / np.linalg.norm([0.45, 1.0, 0.4])
+    half = np.radians(16)
+    distance = 1.1 * np.linalg.norm(high - low) / 2 / np.sin(half) / min(1, width / height)
+    right = np.cross(-towards, [0, 0, 1])
+    right /= np.linalg.norm(right)
+    above = np.cross(right, -towards)
+    seen = points - (low + high) / 2
+    depth = (distance - seen @ towards) * np.tan(half)
+    columns = width / 2 + seen @ right / depth * height / 2
+    rows = height / 2 - seen @ above / depth * height / 2
+    return np.array([[rows.min(), rows.max()], [columns.min(), columns.max()]])
 
 
 def vertices_of(ply: bytes) -> NDArray[np.float64]:

@@ -54,9 +54,10 @@ export const jobRoute = createRoute({
 export const uploadRoute = createRoute({
   getParentRoute: () => root,
   path: "/upload",
-  validateSearch: (search: Record<string, unknown>): { post?: string; pre?: string } => ({
+  validateSearch: (search: Record<string, unknown>): { post?: string; pre?: string; vessels?: string } => ({
     ...(typeof search.post === "string" ? { post: search.post } : {}),
     ...(typeof search.pre === "string" ? { pre: search.pre } : {}),
+    ...(typeof search.vessels === "string" ? { vessels: search.vessels } : {}),
   }),
   component: lazyRouteComponent(() => import("@/features/uploads/UploadPage"), "UploadPage"),
 });

@@ -40,6 +40,11 @@ export function area(mm2: number): string {
   return Math.abs(mm2) >= 1000 ? `${significant(mm2 / 100, 3)}${SPACE}cm²` : `${significant(mm2, 3)}${SPACE}mm²`;
 }
 
+/** A length given in mm: "0.84 mm", "187 mm". */
+export function millimetres(mm: number): string {
+  return `${significant(mm, 3)}${SPACE}mm`;
+}
+
 /** 0.937 → "94 %"; never 100 % for less than all. */
 export function percent(fraction: number): string {
   const clamped = Math.min(Math.max(fraction, 0), 1);

@@ -9,8 +9,12 @@ export const LABELS = [
 /** What somebody else has drawn. */
 export const REFERENCE_COLOR = "#4fd18b";
 
-export function labelName(value: number): string | null {
-  return LABELS.find((label) => label.value === value)?.name ?? null;
+/** Names by value; where any object was looked for, what was found is no tumor. */
+export type LabelNames = Readonly<Record<number, string>>;
+
+export function labelNames(mode: "tumor" | "object" = "tumor"): LabelNames {
+  const names = Object.fromEntries(LABELS.map(({ value, name }) => [value, name]));
+  return mode === "object" ? { ...names, 1: "Object", 2: "Enclosed" } : names;
 }
 
 /** "#f2a24a" → [242, 162, 74]. */

@@ -11,6 +11,7 @@ import { SaveLink } from "./SaveLink";
 const ROLES: Record<string, string> = {
   post: "After contrast",
   pre: "Before contrast",
+  vessels: "Vessels",
 };
 
 /** What a job was started with, and its numbers for those who look behind it. */

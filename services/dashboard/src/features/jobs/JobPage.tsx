@@ -111,10 +111,11 @@ function LoadedJob({ job }: { job: Job }) {
   );
 }
 
-function again(job: Job): { post?: string; pre?: string } {
+function again(job: Job): { post?: string; pre?: string; vessels?: string } {
   const post = job.inputs.post?.[0];
   const pre = job.inputs.pre?.[0];
-  return { ...(post ? { post } : {}), ...(pre ? { pre } : {}) };
+  const vessels = job.inputs.vessels?.[0];
+  return { ...(post ? { post } : {}), ...(pre ? { pre } : {}), ...(vessels ? { vessels } : {}) };
 }
 
 function Lead({ job }: { job: Job }) {

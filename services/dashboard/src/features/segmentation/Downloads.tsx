@@ -7,6 +7,8 @@ import classes from "./segmentation.module.css";
 
 const TELLS: Record<string, string> = {
   "labels.nii.gz": "Labels on the grid of the volume after contrast",
+  "evolution.bin": "How the surfaces grew, coarse, to be watched",
+  "surfaces/microhemorrhages.ply": "The surface of all bleedings, RAS mm",
   "surface.ply": "All surfaces of the objects, RAS mm",
   "scene.glb": "All structures as one scene",
   "report.json": "The measurements, with seeds and versions",
@@ -41,5 +43,8 @@ export function Downloads({ artifacts }: { artifacts: readonly Artifact[] }) {
 
 function tells(name: string): string {
   const surface = /^surfaces\/(\d+)\.ply$/.exec(name);
-  return TELLS[name] ?? (surface ? `The surface of object ${surface[1]}, RAS mm` : "");
+  const vessel = /^surfaces\/vessel-(\d+)\.ply$/.exec(name);
+  if (surface) return `The surface of object ${surface[1]}, RAS mm`;
+  if (vessel) return `The surface of vessel ${vessel[1]}, RAS mm`;
+  return TELLS[name] ?? "";
 }

@@ -58,7 +58,6 @@ export default function LiveSurface({ job }: { job: Job }) {
     if (!frames || !viewer.current) return;
     viewer.current.grow(frames, LABELS[0].color);
     viewer.current.follow();
-    viewer.current.canvas.dataset.preview = String(frames.reduce((sum, { faces }) => sum + faces.length / 3, 0));
   }, [frames, attempt]);
 
   if (!hasWebGL()) return null;

@@ -5,19 +5,20 @@ import classes from "./segmentation.module.css";
 
 interface ObjectTableProps {
   objects: readonly SegmentedObject[];
+  mode: "tumor" | "object";
   chosen: number | null;
   onChoose: (label: number | null) => void;
 }
 
-export function ObjectTable({ objects, chosen, onChoose }: ObjectTableProps) {
+export function ObjectTable({ objects, mode, chosen, onChoose }: ObjectTableProps) {
   return (
-    <Table.ScrollContainer minWidth={560}>
+    <Table.ScrollContainer minWidth={560} type="native">
       <Table verticalSpacing="xs">
         <Table.Thead>
           <Table.Tr>
             <Table.Th>Object</Table.Th>
-            <Table.Th ta="right">Enhancing</Table.Th>
-            <Table.Th ta="right">Core</Table.Th>
+            <Table.Th ta="right">{mode === "object" ? "Volume" : "Enhancing"}</Table.Th>
+            <Table.Th ta="right">{mode === "object" ? "With enclosed" : "Core"}</Table.Th>
             <Table.Th ta="right">Surface</Table.Th>
             <Table.Th w={150}>Confidence</Table.Th>
             <Table.Th>Mesh</Table.Th>
@@ -52,6 +53,11 @@ export function ObjectTable({ objects, chosen, onChoose }: ObjectTableProps) {
                 <Text size="xs" c="dimmed">
                   {meshNote(object)}
                 </Text>
+                {object.notes?.map((note) => (
+                  <Text key={note} size="xs" maw={340} mt={2}>
+                    {note}
+                  </Text>
+                ))}
               </Table.Td>
             </Table.Tr>
           ))}
@@ -61,8 +67,12 @@ export function ObjectTable({ objects, chosen, onChoose }: ObjectTableProps) {
   );
 }
 
+const POLARITIES = { dark: "darker than around", between: "between its surroundings" } as const;
+
 function meshNote(object: SegmentedObject): string {
   const notes = [
+    object.seeded_by === "user" ? "from your seed" : "",
+    object.polarity === "bright" || object.polarity === undefined ? "" : POLARITIES[object.polarity],
     `${integer(object.faces)} faces`,
     object.closed ? "closed" : "open",
     object.genus === 0 ? "" : `genus ${object.genus}`,

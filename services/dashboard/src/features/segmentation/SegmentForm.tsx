@@ -3,13 +3,11 @@ import {
   Button,
   Collapse,
   type ComboboxItem,
-  NumberInput,
   Paper,
+  SegmentedControl,
   Select,
-  Slider,
   Stack,
   Text,
-  Textarea,
   Title,
 } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
@@ -23,28 +21,15 @@ import { Failure } from "@/app/Notice";
 import { AsCode } from "@/features/snippets/AsCode";
 import { jobSnippets } from "@/features/snippets/snippets";
 import { describeAsset } from "@/format/asset";
-import { parseSeeds, type SegmentationParams } from "./params";
+import { AdvancedFields } from "./AdvancedFields";
+import { type Choices, DEFAULTS, readChoices } from "./params";
 import { guessRoles, type Roles } from "./roles";
 
-type Topology = NonNullable<SegmentationParams["topology"]>;
-
-interface Advanced {
-  seeds: string;
-  maxObjects: number | "";
-  topology: Topology;
-  edgeLength: number | "";
-  smoothing: number;
-  randomSeed: number | "";
-}
-
-const DEFAULTS: Advanced = {
-  seeds: "",
-  maxObjects: 8,
-  topology: "preserve",
-  edgeLength: "",
-  smoothing: 0.12,
-  randomSeed: 0,
-};
+const MODES: { value: Choices["mode"]; label: string }[] = [
+  { value: "auto", label: "Automatic" },
+  { value: "tumor", label: "Tumors" },
+  { value: "object", label: "Any object" },
+];
 
 /** Starts a segmentation; `recent` are the assets just uploaded, which are most likely meant. */
 export function SegmentForm({ recent }: { recent: readonly string[] }) {
@@ -55,31 +40,35 @@ export function SegmentForm({ recent }: { recent: readonly string[] }) {
   const create = useCreateJob();
   const [chosen, setChosen] = useState<Partial<Roles>>({});
   const [open, setOpen] = useState(false);
-  const [advanced, setAdvanced] = useState(DEFAULTS);
-  const set = (change: Partial<Advanced>) => setAdvanced((before) => ({ ...before, ...change }));
+  const [choices, setChoices] = useState(DEFAULTS);
+  const set = (change: Partial<Choices>) => setChoices((before) => ({ ...before, ...change }));
   const [attempts] = useState(() => new Attempts());
 
   const all = volumes.data?.items ?? [];
   const guessed = useMemo(() => {
     const items = volumes.data?.items ?? [];
     const fresh = items.filter((volume) => recent.includes(volume.id));
-    return fresh.length > 0 ? guessRoles(fresh) : { post: asked.post ?? null, pre: asked.pre ?? null };
-  }, [volumes.data, recent, asked.post, asked.pre]);
+    return fresh.length > 0
+      ? guessRoles(fresh)
+      : { post: asked.post ?? null, pre: asked.pre ?? null, vessels: asked.vessels ?? null };
+  }, [volumes.data, recent, asked.post, asked.pre, asked.vessels]);
   const roles: Roles = { ...guessed, ...chosen };
   const known = (id: string | null) => (id && all.some((volume) => volume.id === id) ? id : null);
   const post = known(roles.post);
-  const pre = known(roles.pre);
-  const { seeds, problem: seedProblem } = parseSeeds(advanced.seeds);
+  const pre = choices.mode === "object" ? null : known(roles.pre);
+  const vessels = known(roles.vessels);
+  const { problems, params } = readChoices(choices, vessels !== null);
+  const hindered = Object.keys(problems).length > 0;
   const kind = kinds.data?.find(({ name }) => name === "segmentation");
 
   const request: JobCreate = {
     kind: "segmentation",
-    inputs: { post: post ?? "", ...(pre ? { pre } : {}) },
-    params: changedParams(advanced, seeds),
+    inputs: { post: post ?? "", ...(pre ? { pre } : {}), ...(vessels ? { vessels } : {}) },
+    params,
   };
   const submit = (event: SubmitEvent) => {
     event.preventDefault();
-    if (!post || seedProblem) return;
+    if (!post || hindered) return;
     create.mutate(
       { request, idempotencyKey: attempts.keyFor(request) },
       {
@@ -98,7 +87,7 @@ export function SegmentForm({ recent }: { recent: readonly string[] }) {
                 Segment
               </Title>
               <Text size="sm" c="dimmed">
-                Finds the enhancing tumor, what it encloses, and their surface.
+                Finds enhancing tumors, what they enclose, and the vessels around them; or any object you point at.
               </Text>
             </div>
             {kind && kind.workers === 0 && (
@@ -106,21 +95,52 @@ export function SegmentForm({ recent }: { recent: readonly string[] }) {
                 No worker for segmentation is running at the moment. The job will wait for one.
               </Alert>
             )}
+            <div>
+              <Text size="sm" fw={500} mb={4} id="mode">
+                What is looked for
+              </Text>
+              <SegmentedControl
+                fullWidth
+                size="sm"
+                aria-labelledby="mode"
+                data={MODES}
+                value={choices.mode}
+                onChange={(mode) => {
+                  set({ mode });
+                  if (mode === "object") setOpen(true);
+                }}
+              />
+              {problems.mode && (
+                <Text size="xs" c="red" mt={4} role="alert">
+                  {problems.mode}
+                </Text>
+              )}
+            </div>
             <VolumeSelect
-              label="After contrast (T1c)"
+              label={choices.mode === "object" ? "Volume" : "After contrast (T1c)"}
               required
-              volumes={all.filter(({ id }) => id !== pre)}
+              volumes={all.filter(({ id }) => id !== pre && id !== vessels)}
               value={post}
               loading={volumes.isLoading}
               onChange={(id) => setChosen((before) => ({ ...before, post: id }))}
             />
+            {choices.mode !== "object" && (
+              <VolumeSelect
+                label="Before contrast (T1)"
+                description="Optional: with it, what was bright from the start is told from what takes up contrast."
+                volumes={all.filter(({ id }) => id !== post && id !== vessels)}
+                value={pre}
+                loading={volumes.isLoading}
+                onChange={(id) => setChosen((before) => ({ ...before, pre: id }))}
+              />
+            )}
             <VolumeSelect
-              label="Before contrast (T1)"
-              description="Optional: with it, what was bright from the start is told from what takes up contrast."
-              volumes={all.filter(({ id }) => id !== post)}
-              value={pre}
+              label="Vessels (SWI, MRA, CTA)"
+              description="Optional: vessels around what is found, and bleedings beside them."
+              volumes={all.filter(({ id }) => id !== post && id !== pre)}
+              value={vessels}
               loading={volumes.isLoading}
-              onChange={(id) => setChosen((before) => ({ ...before, pre: id }))}
+              onChange={(id) => setChosen((before) => ({ ...before, vessels: id }))}
             />
             <div>
               <Button
@@ -134,88 +154,15 @@ export function SegmentForm({ recent }: { recent: readonly string[] }) {
                 leftSection={open ? <ChevronDown size={16} /> : <ChevronRight size={16} />}
                 onClick={() => setOpen(!open)}
               >
-                Advanced
+                Details
               </Button>
               <Collapse expanded={open} id="advanced" pt={open ? "sm" : 0}>
-                <Stack gap="md">
-                  <Textarea
-                    label="Seed points"
-                    description="RAS millimetres, one point to a line. Empty: seeds are found automatically."
-                    placeholder="12.5, -30, 41"
-                    autosize
-                    minRows={2}
-                    maxRows={6}
-                    value={advanced.seeds}
-                    error={seedProblem}
-                    onChange={(event) => set({ seeds: event.currentTarget.value })}
-                  />
-                  <NumberInput
-                    label="Objects at the most"
-                    min={1}
-                    max={64}
-                    allowDecimal={false}
-                    value={advanced.maxObjects}
-                    onChange={(value) => set({ maxObjects: typeof value === "number" ? value : "" })}
-                  />
-                  <Select
-                    label="Topology"
-                    description="Whether the surface keeps its genus, or may merge and split."
-                    data={[
-                      { value: "preserve", label: "Preserve" },
-                      { value: "adaptive", label: "Adaptive" },
-                    ]}
-                    allowDeselect={false}
-                    value={advanced.topology}
-                    onChange={(value) => set({ topology: value ?? "preserve" })}
-                  />
-                  <NumberInput
-                    label="Edge length of the mesh"
-                    description="Empty: chosen from the voxels' spacing."
-                    suffix=" mm"
-                    min={0.1}
-                    max={50}
-                    step={0.1}
-                    decimalScale={2}
-                    value={advanced.edgeLength}
-                    onChange={(value) => set({ edgeLength: typeof value === "number" ? value : "" })}
-                  />
-                  <div>
-                    <Text size="sm" fw={500}>
-                      Smoothing
-                    </Text>
-                    <Slider
-                      thumbLabel="Smoothing"
-                      min={0}
-                      max={1}
-                      step={0.01}
-                      marks={[{ value: DEFAULTS.smoothing }]}
-                      value={advanced.smoothing}
-                      onChange={(value) => set({ smoothing: value })}
-                    />
-                  </div>
-                  <NumberInput
-                    label="Random seed"
-                    min={0}
-                    max={2 ** 32 - 1}
-                    allowDecimal={false}
-                    value={advanced.randomSeed}
-                    onChange={(value) => set({ randomSeed: typeof value === "number" ? value : "" })}
-                  />
-                  <Button
-                    variant="subtle"
-                    color="gray"
-                    size="compact-sm"
-                    w="fit-content"
-                    onClick={() => setAdvanced(DEFAULTS)}
-                  >
-                    Back to the defaults
-                  </Button>
-                </Stack>
+                <AdvancedFields choices={choices} problems={problems} withVessels={vessels !== null} onChange={set} />
               </Collapse>
             </div>
             {create.isError && <Failure error={create.error} />}
             {volumes.isError && <Failure error={volumes.error} onRetry={() => void volumes.refetch()} />}
-            <Button type="submit" disabled={!post || seedProblem !== null} loading={create.isPending}>
+            <Button type="submit" disabled={!post || hindered} loading={create.isPending}>
               Segment
             </Button>
           </Stack>
@@ -270,20 +217,4 @@ function VolumeSelect({ label, description, required = false, volumes, value, lo
       }}
     />
   );
-}
-
-/** Only what differs from the defaults is sent, so that the server's own defaults hold. */
-function changedParams(advanced: Advanced, seeds: [number, number, number][]): Record<string, unknown> {
-  return {
-    ...(seeds.length > 0 ? { seeds } : {}),
-    ...(advanced.maxObjects !== "" && advanced.maxObjects !== DEFAULTS.maxObjects
-      ? { max_objects: advanced.maxObjects }
-      : {}),
-    ...(advanced.topology !== DEFAULTS.topology ? { topology: advanced.topology } : {}),
-    ...(advanced.edgeLength !== "" ? { edge_length: advanced.edgeLength } : {}),
-    ...(advanced.smoothing !== DEFAULTS.smoothing ? { smoothing: advanced.smoothing } : {}),
-    ...(advanced.randomSeed !== "" && advanced.randomSeed !== DEFAULTS.randomSeed
-      ? { random_seed: advanced.randomSeed }
-      : {}),
-  };
 }

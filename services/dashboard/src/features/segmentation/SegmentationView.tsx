@@ -4,16 +4,18 @@ import { lazy, type ReactNode, Suspense, useMemo, useState } from "react";
 import type { Artifact, Asset, Job } from "@/api/types";
 import { Empty, Waiting } from "@/app/Notice";
 import { ComparePanel } from "@/features/compare/ComparePanel";
-import { LABELS } from "@/viewers/labels";
+import { labelNames, LABELS } from "@/viewers/labels";
 import { NoWebGL } from "@/viewers/ViewerFrame";
 import { hasWebGL } from "@/viewers/webgl";
+import { Alignments } from "./Alignments";
+import { BleedingTable } from "./BleedingTable";
 import { Downloads } from "./Downloads";
 import { drawableName } from "./drawable";
 import { ObjectTable } from "./ObjectTable";
 import type { SegmentationResult } from "./params";
 import { type Point, SeedPanel } from "./SeedPanel";
 import { surfacesOf } from "./surfaces";
-import { StructureTable } from "./StructureTable";
+import { VesselTable } from "./VesselTable";
 import classes from "./segmentation.module.css";
 
 const VolumeViewer = lazy(async () => ({
@@ -42,6 +44,11 @@ export default function SegmentationView({ job, result, post, facts }: Segmentat
   );
   const place = (seed: Point) => setSeeds((before) => (before.length < 64 ? [...before, seed] : before));
   const { objects } = result;
+  const names = labelNames(result.mode);
+  const present = useMemo(
+    () => LABELS.map(({ value }) => value).filter((value) => (result.voxel_counts[String(value)] ?? 0) > 0),
+    [result],
+  );
   const artifact = (name: string): Artifact | undefined => job.artifacts?.find((one) => one.name === name);
   const labels = artifact("labels.nii.gz");
   const surfaces = useMemo(() => surfacesOf(objects, job.artifacts ?? []), [objects, job.artifacts]);
@@ -67,39 +74,25 @@ export default function SegmentationView({ job, result, post, facts }: Segmentat
         <NoWebGL />
       ) : (
         <div className={classes.viewers}>
-          {post && name && labels ? (
+          {labels && (
             <Suspense fallback={<Waiting label="Loading the viewer…" />}>
               <VolumeViewer
-                image={{ url: post.content_url, name, size: post.size }}
-                labels={{
-                  url: labels.url,
-                  name: "labels.nii.gz",
-                  size: labels.size,
-                }}
+                // A volume that cannot be drawn, or was deleted, gives its place to the labels.
+                image={
+                  post && name
+                    ? { url: post.content_url, name, size: post.size }
+                    : { url: labels.url, name: "labels.nii.gz", size: labels.size }
+                }
+                labels={{ url: labels.url, name: "labels.nii.gz", size: labels.size }}
+                names={names}
+                present={present}
+                surfaces={surfaces}
                 focus={looked ?? focus}
                 reference={mask}
                 onSeed={place}
               />
             </Suspense>
-          ) : labels ? (
-            <Suspense fallback={<Waiting label="Loading the viewer…" />}>
-              <VolumeViewer
-                image={{
-                  url: labels.url,
-                  name: "labels.nii.gz",
-                  size: labels.size,
-                }}
-                labels={{
-                  url: labels.url,
-                  name: "labels.nii.gz",
-                  size: labels.size,
-                }}
-                focus={looked ?? focus}
-                reference={mask}
-                onSeed={place}
-              />
-            </Suspense>
-          ) : null}
+          )}
           {surfaces.length > 0 && (
             <Suspense fallback={<Waiting label="Loading the viewer…" />}>
               <SurfaceViewer surfaces={surfaces} chosen={surfaces.length > 1 ? chosen : null} evolution={evolution} />
@@ -125,7 +118,7 @@ export default function SegmentationView({ job, result, post, facts }: Segmentat
                   <Group key={label.value} gap={6}>
                     <span className={classes.swatch} style={{ background: label.color }} />
                     <Text size="xs" c="dimmed">
-                      {label.name}
+                      {names[label.value]}
                     </Text>
                   </Group>
                 ))}
@@ -140,6 +133,7 @@ export default function SegmentationView({ job, result, post, facts }: Segmentat
             ) : (
               <ObjectTable
                 objects={objects}
+                mode={result.mode}
                 chosen={chosen}
                 onChoose={(label) => {
                   setLooked(null);
@@ -148,12 +142,16 @@ export default function SegmentationView({ job, result, post, facts }: Segmentat
               />
             )}
           </Paper>
-          <StructureTable result={result} surfaces={surfaces} chosen={chosen} onChoose={setChosen} />
+          <VesselTable result={result} chosen={chosen} onChoose={setChosen} />
+          <BleedingTable result={result} onLook={(place) => setLooked(place)} />
           {labels && <ComparePanel labels={labels} reference={reference} onReference={setReference} />}
           <SeedPanel job={job} seeds={seeds} onChange={setSeeds} onLook={(seed) => setLooked([...seed])} />
           <Downloads artifacts={job.artifacts ?? []} />
         </Stack>
-        <Stack gap="md">{facts}</Stack>
+        <Stack gap="md">
+          <Alignments result={result} />
+          {facts}
+        </Stack>
       </div>
     </Stack>
   );

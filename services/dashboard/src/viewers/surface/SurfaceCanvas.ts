@@ -8,7 +8,6 @@ import {
   Color,
   DirectionalLight,
   DoubleSide,
-  Float32BufferAttribute,
   Group,
   HemisphereLight,
   LineBasicMaterial,
@@ -25,8 +24,8 @@ import {
   WireframeGeometry,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import { PLYLoader } from "three/examples/jsm/loaders/PLYLoader.js";
 import type { Frame } from "./evolution";
+import { readSurface, type SurfaceMesh } from "./readSurface";
 
 export interface SurfaceSource {
   id: number;
@@ -102,11 +101,7 @@ export class SurfaceCanvas {
   }
 
   add({ id, content, color }: SurfaceSource): void {
-    const geometry = new PLYLoader().parse(content);
-    const position = geometry.getAttribute("position");
-    // Surfaces are written in double precision, which graphics cards don't take.
-    geometry.setAttribute("position", new Float32BufferAttribute(new Float32Array(position.array), 3));
-    geometry.computeVertexNormals();
+    const geometry = geometryOf(readSurface(content));
     const mesh = new Mesh(geometry, matter(color));
     this.#scene.add(mesh);
     this.#surfaces.set(id, { mesh, edges: null, color: new Color(color), opacity: 1 });
@@ -117,11 +112,7 @@ export class SurfaceCanvas {
   grow(frames: readonly Frame[] | null, color: string): void {
     this.#clearGrowing();
     for (const { positions, faces } of frames ?? []) {
-      const geometry = new BufferGeometry();
-      geometry.setAttribute("position", new BufferAttribute(positions, 3));
-      geometry.setIndex(new BufferAttribute(faces, 1));
-      geometry.computeVertexNormals();
-      this.#growing.add(new Mesh(geometry, matter(color)));
+      this.#growing.add(new Mesh(geometryOf({ positions, faces }), matter(color)));
     }
     this.#growing.visible = frames !== null;
     this.#restyle();
@@ -129,8 +120,11 @@ export class SurfaceCanvas {
 
   /** Keep what grows in sight as long as nobody has moved the camera. */
   follow(): void {
-    const { center, radius } = new Box3().setFromObject(this.#growing).getBoundingSphere(new Sphere());
-    if (this.#moved || !(radius > 0)) return;
+    const box = new Box3().setFromObject(this.#growing);
+    const { center, radius } = box.getBoundingSphere(new Sphere());
+    if (!(radius > 0)) return;
+    this.#letters(box);
+    if (this.#moved) return;
     const away = center.distanceTo(this.#seen.center) + radius;
     // With room to grow into: a camera that steps back all the time would hide the growth.
     if (away > this.#seen.radius || radius < this.#seen.radius * 0.4) this.look(null, 1.6);
@@ -140,8 +134,8 @@ export class SurfaceCanvas {
    * `room` says how much larger than what there is. */
   look(id: number | null = null, room = 1): void {
     const box = new Box3();
-    for (const [one, { mesh }] of this.#surfaces) if (id === null || id === one) box.expandByObject(mesh);
-    if (box.isEmpty()) box.expandByObject(this.#growing);
+    if (this.#growing.visible) box.expandByObject(this.#growing);
+    else for (const [one, { mesh }] of this.#surfaces) if (id === null || id === one) box.expandByObject(mesh);
     if (box.isEmpty()) return;
     const { center } = box.getBoundingSphere(this.#seen);
     const radius = (this.#seen.radius *= room);
@@ -313,6 +307,14 @@ export class SurfaceCanvas {
     this.#controls.update();
     this.draw();
   };
+}
+
+function geometryOf({ positions, faces }: SurfaceMesh): BufferGeometry {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(positions, 3));
+  geometry.setIndex(new BufferAttribute(faces, 1));
+  geometry.computeVertexNormals();
+  return geometry;
 }
 
 function matter(color: string): MeshStandardMaterial {

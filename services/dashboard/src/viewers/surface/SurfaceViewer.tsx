@@ -16,6 +16,8 @@ export interface SurfaceFile {
   url: string;
   size: number;
   color: string;
+  /** The label of the voxels that it bounds. */
+  label: number;
   /** What it belongs to; a group is shown, hidden and faded together. */
   group: string;
   title: string;
@@ -130,8 +132,19 @@ export function SurfaceViewer({ surfaces, chosen, evolution = null }: SurfaceVie
   const on = ready && replaying && frames.length > 0;
   const color = evolution?.color ?? "";
   useEffect(() => {
-    if (ready) viewer.current?.grow(on ? sceneAt(frames, shown) : null, color);
-  }, [ready, on, frames, shown, color]);
+    // What grew is looked at as it is in the end; afterwards at everything again.
+    if (!on) return;
+    const canvas = viewer.current;
+    canvas?.grow(sceneAt(frames, frames.length - 1), color);
+    canvas?.look();
+    return () => {
+      canvas?.grow(null, color);
+      canvas?.look();
+    };
+  }, [on, frames, color]);
+  useEffect(() => {
+    if (on) viewer.current?.grow(sceneAt(frames, shown), color);
+  }, [on, frames, shown, color]);
   usePlay({
     playing: playing && on,
     count: frames.length,

@@ -1,5 +1,6 @@
-import { Niivue, NVImage, SLICE_TYPE } from "@niivue/niivue";
+import { Niivue, NVImage, NVMesh, SLICE_TYPE } from "@niivue/niivue";
 import { LABELS, REFERENCE_COLOR, rgb } from "../labels";
+import type { SurfaceMesh } from "../surface/readSurface";
 
 export type VolumeLayout = "slices" | "axial" | "coronal" | "sagittal" | "render";
 
@@ -15,6 +16,10 @@ export interface Display {
   layout: VolumeLayout;
   /** Of the labels, in [0, 1]. */
   opacity: number;
+  /** Of each label on its own, and of the surface that bounds it, in [0, 1]; 1 where nothing is said. */
+  layers: Readonly<Record<number, number>>;
+  /** Of the volume where it is seen as a whole, in [0, 1]. */
+  volumeOpacity: number;
   /** Of the reference mask, in [0, 1]. */
   referenceOpacity: number;
   /** Only the labels' outlines are drawn on slices. */
@@ -66,6 +71,7 @@ export class VolumeCanvas {
   #shown: Display | null = null;
   #reference: NVImage | null = null;
   #wanted = 0;
+  readonly #surfaces = new Map<string, { label: number; mesh: NVMesh }>();
 
   constructor(parent: HTMLElement, onPlace: (place: Place) => void) {
     this.canvas = document.createElement("canvas");
@@ -85,6 +91,8 @@ export class VolumeCanvas {
       isColorbar: false,
       multiplanarPadPixels: 6,
       show3Dcrosshair: true,
+      meshThicknessOn2D: 0,
+      meshXRay: 0.5,
       dragAndDropEnabled: false,
       scrollRequiresFocus: true,
       // Its single keys would change the layout behind the page's back.
@@ -109,7 +117,7 @@ export class VolumeCanvas {
     this.#arrange(display);
     viewer.addVolume(base);
     if (overlay) {
-      overlay.setColormapLabel(labelColors());
+      overlay.setColormapLabel(labelColors(display.layers, NONE));
       overlay.opacity = display.opacity;
       viewer.addVolume(overlay);
     }
@@ -130,6 +138,23 @@ export class VolumeCanvas {
     this.#viewer.addVolume(mask);
   }
 
+  /** Whether a surface was added under this name. */
+  has(name: string): boolean {
+    return this.#surfaces.has(name);
+  }
+
+  /** Draw a surface where the volume is seen as a whole, in the color of the label that it bounds. */
+  addSurface(name: string, label: number, { positions, faces }: SurfaceMesh): void {
+    const [red, green, blue] = rgb(LABELS.find(({ value }) => value === label)?.color ?? REFERENCE_COLOR);
+    const color = new Uint8Array([red, green, blue, 255]);
+    const mesh = new NVMesh(positions, faces, name, color, 1, true, this.#viewer.gl);
+    this.#surfaces.set(name, { label, mesh });
+    this.#viewer.addMesh(mesh);
+    const display = this.#shown;
+    this.#shown = null;
+    if (display) this.show(display);
+  }
+
   show(display: Display): void {
     const viewer = this.#viewer;
     const base = viewer.volumes[0];
@@ -144,13 +169,28 @@ export class VolumeCanvas {
       before.window[1] === display.window[1] &&
       before.opacity === display.opacity &&
       before.referenceOpacity === display.referenceOpacity &&
+      before.layers === display.layers &&
+      before.volumeOpacity === display.volumeOpacity &&
+      (before.layout === "render") === (display.layout === "render") &&
       before.outline === display.outline
     ) {
       viewer.drawScene();
       return;
     }
     [base.cal_min, base.cal_max] = display.window;
-    if (overlay) overlay.opacity = display.opacity;
+    const solid = display.layout === "render";
+    base.opacity = solid ? display.volumeOpacity : 1;
+    const bounded = new Set(solid ? [...this.#surfaces.values()].map(({ label }) => label) : []);
+    // What an object encloses lies behind its surface.
+    if (bounded.has(1)) bounded.add(2);
+    if (overlay) {
+      overlay.setColormapLabel(labelColors(display.layers, bounded));
+      overlay.opacity = solid ? 1 : display.opacity;
+    }
+    for (const { label, mesh } of this.#surfaces.values()) {
+      mesh.opacity = display.layers[label] ?? 1;
+      mesh.visible = mesh.opacity > 0;
+    }
     if (this.#reference) this.#reference.opacity = display.referenceOpacity;
     viewer.updateGLVolume();
   }
@@ -230,13 +270,16 @@ function referenceColors(largest: number) {
   };
 }
 
-function labelColors() {
+const NONE: ReadonlySet<number> = new Set();
+
+/** The labels' colors as far as their layers are seen, without those in `hidden`. */
+function labelColors(layers: Display["layers"], hidden: ReadonlySet<number>) {
   const colors = LABELS.map(({ color }) => rgb(color));
   return {
     R: [0, ...colors.map(([red]) => red)],
     G: [0, ...colors.map(([, green]) => green)],
     B: [0, ...colors.map(([, , blue]) => blue)],
-    A: [0, ...colors.map(() => 255)],
+    A: [0, ...LABELS.map(({ value }) => (hidden.has(value) ? 0 : Math.round(255 * (layers[value] ?? 1))))],
     I: [0, ...LABELS.map(({ value }) => value)],
     labels: ["", ...LABELS.map(({ name }) => name)],
   };

@@ -4,7 +4,9 @@ import { useEffect, useEffectEvent, useRef, useState } from "react";
 import { sayFailure } from "@/app/say";
 import { anatomical, significant } from "@/format/format";
 import { download } from "../download";
-import { labelName } from "../labels";
+import { type LabelNames, labelNames } from "../labels";
+import type { SurfaceFile } from "../surface/SurfaceViewer";
+import { readSurface } from "../surface/readSurface";
 import { ViewerFrame, type ViewerStatus } from "../ViewerFrame";
 import frame from "../viewers.module.css";
 import { DisplayMenu } from "./DisplayMenu";
@@ -19,6 +21,11 @@ export interface VolumeFile {
 interface VolumeViewerProps {
   image: VolumeFile;
   labels: VolumeFile | null;
+  /** What the labels are called, and which of them occur. */
+  names?: LabelNames;
+  present?: readonly number[];
+  /** Drawn in 3D in the place of the labels that they bound. */
+  surfaces?: readonly SurfaceFile[];
   /** Where to look, RAS mm; a new array moves the crosshair. */
   focus: readonly [number, number, number] | null;
   /** A mask to lay over the labels. */
@@ -27,6 +34,8 @@ interface VolumeViewerProps {
   onSeed?: ((mm: [number, number, number]) => void) | undefined;
 }
 
+/** Its clusters are small and many: they are drawn from the voxels. */
+const BLEEDING = 4;
 const LAYOUTS: { value: VolumeLayout; label: string }[] = [
   { value: "slices", label: "Slices" },
   { value: "axial", label: "Axial" },
@@ -35,8 +44,21 @@ const LAYOUTS: { value: VolumeLayout; label: string }[] = [
   { value: "render", label: "3D" },
 ];
 
+const NAMES = labelNames();
+const NONE: readonly number[] = [];
+const NO_SURFACES: readonly SurfaceFile[] = [];
+
 /** A volume in slices or as a whole, with labels over it. */
-export function VolumeViewer({ image, labels, focus, reference = null, onSeed }: VolumeViewerProps) {
+export function VolumeViewer({
+  image,
+  labels,
+  names = NAMES,
+  present = NONE,
+  surfaces = NO_SURFACES,
+  focus,
+  reference = null,
+  onSeed,
+}: VolumeViewerProps) {
   const parent = useRef<HTMLDivElement>(null);
   const viewer = useRef<VolumeCanvas | null>(null);
   const [status, setStatus] = useState<ViewerStatus>({
@@ -50,6 +72,8 @@ export function VolumeViewer({ image, labels, focus, reference = null, onSeed }:
   const [display, setDisplay] = useState<Display>({
     layout: "slices",
     opacity: 0.55,
+    layers: {},
+    volumeOpacity: 0.35,
     outline: false,
     referenceOpacity: 0.45,
     radiological: true,
@@ -120,6 +144,27 @@ export function VolumeViewer({ image, labels, focus, reference = null, onSeed }:
   useEffect(() => {
     if (ready) viewer.current?.show(display);
   }, [ready, display]);
+  const solid = display.layout === "render";
+  const bounded = surfaces.filter(({ label }) => label !== BLEEDING);
+  const wanted = useEffectEvent(() => bounded);
+  const urls = bounded.map(({ url }) => url).join(" ");
+  useEffect(() => {
+    const canvas = viewer.current;
+    if (!ready || !solid || !canvas) return;
+    const controller = new AbortController();
+    const load = async () => {
+      for (const { url, size, label } of wanted()) {
+        if (canvas.has(url)) continue;
+        const content = await download(url, size, () => undefined, controller.signal);
+        if (controller.signal.aborted) return;
+        canvas.addSurface(url, label, readSurface(content));
+      }
+    };
+    load().catch((error: unknown) => {
+      if (!controller.signal.aborted) sayFailure("The surfaces cannot be drawn", error);
+    });
+    return () => controller.abort();
+  }, [ready, solid, urls]);
   useEffect(() => {
     if (ready && focus) viewer.current?.goTo(focus);
   }, [ready, focus]);
@@ -162,6 +207,8 @@ export function VolumeViewer({ image, labels, focus, reference = null, onSeed }:
             display={display}
             range={range}
             hasLabels={labels !== null}
+            present={present}
+            names={names}
             hasReference={reference !== null}
             onChange={change}
           />
@@ -173,7 +220,7 @@ export function VolumeViewer({ image, labels, focus, reference = null, onSeed }:
         <div className={frame.readout} data-testid="place">
           {anatomical(place.mm)}
           {place.intensity === null ? "" : `   ${significant(place.intensity, 4)}`}
-          {place.label > 0 ? `   ${labelName(place.label) ?? `label ${place.label}`}` : ""}
+          {place.label > 0 ? `   ${names[place.label] ?? `label ${place.label}`}` : ""}
         </div>
       )}
     </ViewerFrame>
