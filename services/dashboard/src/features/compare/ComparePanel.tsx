@@ -20,10 +20,13 @@ interface ComparePanelProps {
   labels: Artifact;
   reference: Asset | null;
   onReference: (asset: Asset | null) => void;
+  /** Values of the reference that count; null: all but 0. */
+  values: readonly number[] | null;
+  onValues: (values: readonly number[]) => void;
 }
 
 /** How well the labels agree with a mask that somebody else has drawn. */
-export function ComparePanel({ labels, reference, onReference }: ComparePanelProps) {
+export function ComparePanel({ labels, reference, onReference, values, onValues }: ComparePanelProps) {
   const volumes = useQuery(volumesQuery);
   const masks = (volumes.data?.items ?? []).filter(({ format }) => format === "nifti1");
   return (
@@ -32,7 +35,8 @@ export function ComparePanel({ labels, reference, onReference }: ComparePanelPro
         Compare with a mask
       </Title>
       <Text size="sm" c="dimmed" mb="xs">
-        With a NIfTI mask that was uploaded; it is drawn over the slices in green.
+        With a NIfTI mask that was uploaded; it is drawn over the slices in green, and the surface takes the colors of
+        its distance to it.
       </Text>
       <Select
         aria-label="Reference mask"
@@ -43,12 +47,21 @@ export function ComparePanel({ labels, reference, onReference }: ComparePanelPro
         value={reference?.id ?? null}
         onChange={(id) => onReference(masks.find((mask) => mask.id === id) ?? null)}
       />
-      {reference && <Figures key={reference.id} labels={labels} reference={reference} />}
+      {reference && (
+        <Figures key={reference.id} labels={labels} reference={reference} chosen={values} onChosen={onValues} />
+      )}
     </Paper>
   );
 }
 
-function Figures({ labels, reference }: { labels: Artifact; reference: Asset }) {
+interface FiguresProps {
+  labels: Artifact;
+  reference: Asset;
+  chosen: readonly number[] | null;
+  onChosen: (values: readonly number[]) => void;
+}
+
+function Figures({ labels, reference, chosen, onChosen }: FiguresProps) {
   const compared = useQuery({
     queryKey: ["compare", labels.sha256, reference.sha256],
     staleTime: Number.POSITIVE_INFINITY,
@@ -63,7 +76,6 @@ function Figures({ labels, reference }: { labels: Artifact; reference: Asset }) 
     },
   });
   const [part, setPart] = useState<(typeof PARTS)[number]["value"]>("core");
-  const [chosen, setChosen] = useState<readonly number[] | null>(null);
   if (compared.isPending) {
     return (
       <Group gap="xs" mt="sm" role="status">
@@ -100,7 +112,7 @@ function Figures({ labels, reference }: { labels: Artifact; reference: Asset }) 
         <Checkbox.Group
           label="Values of the mask that count"
           value={counted.map(String)}
-          onChange={(next) => setChosen(next.map(Number))}
+          onChange={(next) => onChosen(next.map(Number))}
         >
           <Group gap="sm" mt={4}>
             {there.map((value) => (

@@ -95,7 +95,8 @@ function determinant(m: readonly number[]): number {
   return a * (f * k - g * j) - b * (e * k - g * i) + c * (e * j - f * i);
 }
 
-function inverse(m: readonly number[]): number[] {
+/** Of the upper three rows of an affine map, row by row. */
+export function inverse(m: readonly number[]): number[] {
   const [a = 0, b = 0, c = 0, x = 0, e = 0, f = 0, g = 0, y = 0, i = 0, j = 0, k = 0, z = 0] = m;
   const det = determinant(m);
   if (!Number.isFinite(det) || Math.abs(det) < 1e-12) throw new Error("The reference's header gives its axes no room.");

@@ -4,6 +4,7 @@ import { lazy, type ReactNode, Suspense, useMemo, useState } from "react";
 import type { Artifact, Asset, Job } from "@/api/types";
 import { Empty, Waiting } from "@/app/Notice";
 import { ComparePanel } from "@/features/compare/ComparePanel";
+import { distancesTo } from "@/features/compare/distances";
 import { labelNames, LABELS } from "@/viewers/labels";
 import { NoWebGL } from "@/viewers/ViewerFrame";
 import { hasWebGL } from "@/viewers/webgl";
@@ -38,6 +39,12 @@ export default function SegmentationView({ job, result, post, facts }: Segmentat
   const [seeds, setSeeds] = useState<readonly Point[]>([]);
   const [looked, setLooked] = useState<Point | null>(null);
   const [reference, setReference] = useState<Asset | null>(null);
+  const [values, setValues] = useState<readonly number[] | null>(null);
+  const measure = useMemo(
+    () =>
+      reference && ((points: Float32Array[], signal: AbortSignal) => distancesTo(reference, values, points, signal)),
+    [reference, values],
+  );
   const mask = useMemo(
     () => reference && { url: reference.content_url, name: "reference.nii.gz", size: reference.size },
     [reference],
@@ -95,7 +102,12 @@ export default function SegmentationView({ job, result, post, facts }: Segmentat
           )}
           {surfaces.length > 0 && (
             <Suspense fallback={<Waiting label="Loading the viewer…" />}>
-              <SurfaceViewer surfaces={surfaces} chosen={surfaces.length > 1 ? chosen : null} evolution={evolution} />
+              <SurfaceViewer
+                surfaces={surfaces}
+                chosen={surfaces.length > 1 ? chosen : null}
+                evolution={evolution}
+                measure={measure}
+              />
             </Suspense>
           )}
         </div>
@@ -144,7 +156,18 @@ export default function SegmentationView({ job, result, post, facts }: Segmentat
           </Paper>
           <VesselTable result={result} chosen={chosen} onChoose={setChosen} />
           <BleedingTable result={result} onLook={(place) => setLooked(place)} />
-          {labels && <ComparePanel labels={labels} reference={reference} onReference={setReference} />}
+          {labels && (
+            <ComparePanel
+              labels={labels}
+              reference={reference}
+              onReference={(asset) => {
+                setReference(asset);
+                setValues(null);
+              }}
+              values={values}
+              onValues={setValues}
+            />
+          )}
           <SeedPanel job={job} seeds={seeds} onChange={setSeeds} onLook={(seed) => setLooked([...seed])} />
           <Downloads artifacts={job.artifacts ?? []} />
         </Stack>

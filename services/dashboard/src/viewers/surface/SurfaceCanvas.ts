@@ -62,6 +62,7 @@ export class SurfaceCanvas {
   readonly #growing = new Group();
   readonly #resize: ResizeObserver;
   #drawing = 0;
+  #closed = false;
   #edges = false;
   #chosen: number | null = null;
   /** The sphere that one looked at last, and whether somebody has moved the camera since. */
@@ -154,6 +155,23 @@ export class SurfaceCanvas {
     this.draw();
   }
 
+  /** x, y, z of a surface's vertices, RAS mm. */
+  positions(id: number): Float32Array {
+    return new Float32Array(this.#surfaces.get(id)?.mesh.geometry.getAttribute("position").array ?? []);
+  }
+
+  /** Give each vertex of a surface a color of its own; null gives it back the one it came with. */
+  tint(id: number, colors: Float32Array | null): void {
+    const surface = this.#surfaces.get(id);
+    if (!surface) return;
+    const { geometry, material } = surface.mesh;
+    if (colors) geometry.setAttribute("color", new BufferAttribute(colors, 3));
+    else geometry.deleteAttribute("color");
+    material.vertexColors = colors !== null;
+    material.color.set(colors ? "#ffffff" : surface.color);
+    this.#restyle();
+  }
+
   /** Show a surface as far as `opacity` says; 0 hides it. */
   fade(id: number, opacity: number): void {
     const surface = this.#surfaces.get(id);
@@ -174,6 +192,7 @@ export class SurfaceCanvas {
   }
 
   close(): void {
+    this.#closed = true;
     cancelAnimationFrame(this.#drawing);
     this.#resize.disconnect();
     this.#controls.dispose();
@@ -192,7 +211,7 @@ export class SurfaceCanvas {
   }
 
   draw = (): void => {
-    if (this.#drawing) return;
+    if (this.#drawing || this.#closed) return;
     this.#drawing = requestAnimationFrame(() => {
       this.#drawing = 0;
       this.#renderer.render(this.#scene, this.#camera);

@@ -1,5 +1,5 @@
 import { ActionIcon, Tooltip } from "@mantine/core";
-import { Clapperboard, Grid3x3, Maximize } from "lucide-react";
+import { Clapperboard, Grid3x3, Maximize, Ruler } from "lucide-react";
 import { useEffect, useEffectEvent, useRef, useState } from "react";
 import { sayFailure } from "@/app/say";
 import { download } from "../download";
@@ -8,7 +8,9 @@ import { usePlay } from "../play/usePlay";
 import { ViewerFrame, type ViewerStatus } from "../ViewerFrame";
 import frame from "../viewers.module.css";
 import { type Frame, readEvolution, sceneAt } from "./evolution";
+import { DistanceLegend } from "./DistanceLegend";
 import { LayerMenu, type Opacities } from "./LayerMenu";
+import { distanceColors, type Spread, spreadOf } from "./scale";
 import { SurfaceCanvas } from "./SurfaceCanvas";
 
 export interface SurfaceFile {
@@ -28,6 +30,8 @@ interface SurfaceViewerProps {
   chosen: number | null;
   /** How the surfaces came to be. */
   evolution?: { url: string; size: number; color: string } | null;
+  /** Measures how far points (RAS mm) of the objects lie from a reference, negative inside; they are colored by it. */
+  measure?: ((points: Float32Array[], signal: AbortSignal) => Promise<Float32Array[]>) | null;
 }
 
 /** Of a replay: an object has 25 frames at the most. */
@@ -37,7 +41,7 @@ const FPS = 10;
  * The recovered surfaces in space. Drawn with three rather than niivue: a lit mesh one turns and inspects down to its
  * edges, one color and opacity to each object, and the same code for the meshes of shapes and motions.
  */
-export function SurfaceViewer({ surfaces, chosen, evolution = null }: SurfaceViewerProps) {
+export function SurfaceViewer({ surfaces, chosen, evolution = null, measure = null }: SurfaceViewerProps) {
   const parent = useRef<HTMLDivElement>(null);
   const viewer = useRef<SurfaceCanvas | null>(null);
   const [status, setStatus] = useState<ViewerStatus>({
@@ -52,6 +56,8 @@ export function SurfaceViewer({ surfaces, chosen, evolution = null }: SurfaceVie
   const [frames, setFrames] = useState<readonly Frame[]>([]);
   const [shown, setShown] = useState(0);
   const [playing, setPlaying] = useState(false);
+  const [distances, setDistances] = useState(true);
+  const [spread, setSpread] = useState<Spread | null>(null);
   const files = useEffectEvent(() => surfaces);
   const key = surfaces.map(({ url }) => url).join(" ");
 
@@ -129,6 +135,31 @@ export function SurfaceViewer({ surfaces, chosen, evolution = null }: SurfaceVie
       });
     return () => controller.abort();
   }, [replaying, frames, evolution]);
+  const measured = useEffectEvent(() => surfaces.filter(({ label }) => label === 1).map(({ id }) => id));
+  useEffect(() => {
+    const canvas = viewer.current;
+    if (!ready || !distances || !measure || !canvas) return;
+    const controller = new AbortController();
+    const ids = measured();
+    measure(
+      ids.map((id) => canvas.positions(id)),
+      controller.signal,
+    )
+      .then((found) => {
+        if (controller.signal.aborted) return;
+        const told = spreadOf(found);
+        found.forEach((some, index) => canvas.tint(ids[index] ?? -1, distanceColors(some, told.end)));
+        setSpread(told);
+      })
+      .catch((error: unknown) => {
+        if (!controller.signal.aborted) sayFailure("The distances cannot be measured", error);
+      });
+    return () => {
+      controller.abort();
+      for (const id of ids) canvas.tint(id, null);
+      setSpread(null);
+    };
+  }, [ready, distances, measure]);
   const on = ready && replaying && frames.length > 0;
   const color = evolution?.color ?? "";
   useEffect(() => {
@@ -182,6 +213,19 @@ export function SurfaceViewer({ surfaces, chosen, evolution = null }: SurfaceVie
               </ActionIcon>
             </Tooltip>
           )}
+          {measure && (
+            <Tooltip label="Color by the distance to the mask" openDelay={400}>
+              <ActionIcon
+                variant={distances ? "filled" : "default"}
+                size={30}
+                aria-label="Color by the distance to the mask"
+                aria-pressed={distances}
+                onClick={() => setDistances(!distances)}
+              >
+                <Ruler size={16} />
+              </ActionIcon>
+            </Tooltip>
+          )}
           <LayerMenu surfaces={surfaces} opacities={opacities} onChange={setOpacities} />
           <Tooltip label="Show the mesh's edges" openDelay={400}>
             <ActionIcon
@@ -208,6 +252,7 @@ export function SurfaceViewer({ surfaces, chosen, evolution = null }: SurfaceVie
       }
     >
       <div ref={parent} className={frame.stage} />
+      {spread && !on && <DistanceLegend spread={spread} />}
       {on && (
         <PlayControls count={frames.length} shown={shown} playing={playing} onPlaying={setPlaying} onFrame={setShown} />
       )}
