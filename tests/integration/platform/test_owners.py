@@ -35,8 +35,10 @@ LISTS = {
     "keys.list_keys",
     "shapes.list_shapes",
 }
-GIVES_NOTHING = {"jobs.events_after", "shapes.outdated", "shapes.some"}
+GIVES_NOTHING = {"jobs.events_after", "shapes.labels", "shapes.outdated", "shapes.some"}
 """An empty list and not an error: whoever asks knows already that the job or the collection exists."""
+FILTERS = {"batch_id", "job_id"}
+"""Where a function can do without them, they narrow a list."""
 
 
 def owned_functions() -> dict[str, Callable[..., Any]]:
@@ -68,7 +70,9 @@ def things(
     blob = local_store.put_bytes(b"labels")
     staging = UploadStaging.over(local_store)
     asset_id = new_asset("ann", b"another")
-    shape_id = index(1, "ann", changed={"index_version": INDEX_VERSION - 1}, collection="bones", name="labels.nii.gz")
+    changed = {"index_version": INDEX_VERSION - 1}
+    labels = {"side": "left"}
+    shape_id = index(1, "ann", changed, collection="bones", name="labels.nii.gz", labels=labels)
     with database.session() as session:
         jobs.succeed(session, job.job_id, job.lease, {}, [NewArtifact("labels.nii.gz", blob.sha256, blob.size)])
         upload = uploads.create(session, staging, settings, "ann", 10, {})
@@ -116,10 +120,10 @@ def call(function: Callable[..., Any], things: dict[str, Any], owner: str) -> An
         known = {**things, "session": session, "owner": owner}
         if "request" in parameters:
             known["request"] = things[parameters["request"].annotation]
-        arguments = {name: known[name] for name in parameters if name in known and name != "batch_id"}
-        if "batch_id" in parameters and parameters["batch_id"].default is inspect.Parameter.empty:
-            arguments["batch_id"] = known["batch_id"]
         needed = {name for name, value in parameters.items() if value.default is inspect.Parameter.empty}
+        arguments = {
+            name: known[name] for name in parameters if name in known and name in needed | known.keys() - FILTERS
+        }
         assert needed <= arguments.keys(), f"this test must learn what {needed - arguments.keys()} is"
         found = function(**arguments)
         return list(found) if inspect.isgenerator(found) else found
