@@ -17,8 +17,8 @@ from shapery_motion import decode, info, open_motion
 from shapery_motion.container.header import MotionLimits
 from shapery_motion.container.sections import FRAME_BYTES, MAGIC, SectionReader, pack_section
 
-DATA = (Path(__file__).parent.parent / "unit" / "motion" / "golden" / "trajectory" / "corrected.smc").read_bytes()
-TAGS = {"HEAD", "META", "GRPS", "CONN", "TMOD", "TBAS", "TFLD", "CORR", "END"}
+DATA = (Path(__file__).parent.parent / "unit" / "motion" / "golden" / "trajectory-1.1" / "corrected.smc").read_bytes()
+TAGS = {"HEAD", "META", "GRPS", "CONN", "TMOD", "TBAS", "TFL2", "CORR", "END"}
 
 
 def sections() -> list[tuple[str, bytes]]:

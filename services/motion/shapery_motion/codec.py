@@ -40,7 +40,7 @@ from shapery_motion.container.sections import (
     pack_section,
 )
 from shapery_motion.errors import ErrorMeter, SequenceErrors
-from shapery_motion.playing import Motion
+from shapery_motion.playing import FrameArray, Motion
 from shapery_motion.profiles import EncodedGroup, GroupTask, Profile, get_profile
 
 FloatArray = NDArray[np.float64]
@@ -93,6 +93,7 @@ def encode(
     *,
     on_progress: Progress = _ignore,
     check_cancelled: Callable[[], None] = lambda: None,
+    on_verified: Callable[[SequenceErrors, FrameArray, FrameArray], None] = lambda *_: None,
 ) -> Encoding:
     """Compress a sequence.
 
@@ -106,6 +107,8 @@ def encode(
         Called with the stage (``read``, ``encode``, ``verify``) and the fraction of the whole that is done.
     check_cancelled
         Called often; what it raises ends the work.
+    on_verified
+        Called with the errors of the whole, and each frame as it was and as the file gives it, in their order.
 
     Returns
     -------
@@ -119,7 +122,7 @@ def encode(
     """
     params = _with_a_bound(params or MotionEncodeParams())
     faces = sorted_faces(sequence.faces)
-    count, vertices = _shape(sequence)
+    count, vertices = shape_of(sequence)
     if not vertices:
         raise InvalidInput("empty_content", "The frames have no vertices.")
     on_progress("read", 0.0)
@@ -183,7 +186,7 @@ def encode(
     parts["container"] = len(data) - sum(parts.values())
     on_progress("verify", 0.95)
     # the file itself, once more from its bytes: what was written is what was measured
-    _compare(Motion(data), sequence, errors, check_cancelled)
+    _compare(Motion(data), sequence, errors, check_cancelled, on_verified)
     spread = float((original.frame_spread**2).sum()) * vertices
     totals = [
         (sum(p[0] for p in steps), sum(p[1] for p in steps)) for steps in zip(*(g.points for g in made), strict=False)
@@ -267,7 +270,8 @@ def _with_a_bound(params: MotionEncodeParams) -> MotionEncodeParams:
     return params
 
 
-def _shape(sequence: MeshSequence | SequenceFile) -> tuple[int, int]:
+def shape_of(sequence: MeshSequence | SequenceFile) -> tuple[int, int]:
+    """Return the numbers of frames and of vertices."""
     if isinstance(sequence, SequenceFile):
         return sequence.frame_count, sequence.vertex_count
     return len(sequence), sequence.vertex_count
@@ -293,7 +297,7 @@ def _measure(
     sequence: MeshSequence | SequenceFile, faces: IntArray, check_cancelled: Callable[[], None]
 ) -> tuple[SequenceErrors, float]:
     """Return the measures of the original alone, its spread, edges and diagonal, and its largest coordinate."""
-    meter, farthest = ErrorMeter(faces, _shape(sequence)[1], surface=False), 0.0
+    meter, farthest = ErrorMeter(faces, shape_of(sequence)[1], surface=False), 0.0
     for frame in _frames(sequence):
         check_cancelled()
         meter.add(frame, frame)
@@ -331,13 +335,18 @@ def _group_sizes(count: int, vertices: int, params: MotionEncodeParams) -> list[
 
 
 def _compare(
-    motion: Motion, sequence: MeshSequence | SequenceFile, errors: SequenceErrors, check_cancelled: Callable[[], None]
+    motion: Motion,
+    sequence: MeshSequence | SequenceFile,
+    errors: SequenceErrors,
+    check_cancelled: Callable[[], None],
+    on_verified: Callable[[SequenceErrors, FrameArray, FrameArray], None],
 ) -> None:
     """Decode the file and hold its errors against those that were measured group by group."""
     meter = ErrorMeter(motion.faces, motion.header.vertices, surface=False)
     for original, decoded in zip(_frames(sequence), motion.frames(), strict=True):
         check_cancelled()
         meter.add(original, decoded)
+        on_verified(errors, original, decoded)
     found = meter.result()
     if not np.array_equal(found.frame_rmse, errors.frame_rmse):
         raise RuntimeError("the file does not decode to what its groups did")

@@ -20,7 +20,7 @@ from shapery_contracts.segmentation import StageTime
 
 
 class MotionEncodeHandler:
-    """Input ``sequence``; outputs ``motion.smc``, ``report.json`` and ``clusters.ply``."""
+    """Input ``sequence``; outputs ``motion.smc``, ``report.json``, ``rate.svg``, ``clusters.png``, ``clusters.ply``, residuals."""
 
     kind: ClassVar[str] = "motion-encode"
 
@@ -32,7 +32,7 @@ class MotionEncodeHandler:
     def run(self, params: MotionEncodeParams, inputs: Mapping[str, Path], context: JobContext) -> MotionEncodeResult:
         """See `shapery_contracts.handler.JobHandler.run`."""
         # Imported here: whoever only looks for the handler loads no numerics.
-        from shapery_motion.codec import encode
+        from shapery_motion.codec import encode, shape_of
         from shapery_motion.playing import open_motion
         from shapery_motion.reading import open_motion_input
         from shapery_motion.report import (
@@ -41,21 +41,32 @@ class MotionEncodeHandler:
             describe,
             summary,
             write_clusters,
+            write_pictures,
             write_report,
         )
+        from shapery_motion.residuals import RESIDUALS_FILE, ResidualWriter
 
         if "sequence" not in inputs:
             raise InvalidInput("missing_input", "The sequence is missing.")
         stages = _Stages(context)
         stages.begin("read", 0.0)
         sequence = open_motion_input(inputs["sequence"])
-        encoding = encode(sequence, params, on_progress=stages.begin, check_cancelled=context.check_cancelled)
+        residuals = ResidualWriter(context.output / RESIDUALS_FILE, *shape_of(sequence))
+        encoding = encode(
+            sequence,
+            params,
+            on_progress=stages.begin,
+            check_cancelled=context.check_cancelled,
+            on_verified=residuals.add,
+        )
+        residuals.close()
         stages.begin("write", 0.98)
         (context.output / MOTION_FILE).write_bytes(encoding.data)
         motion = open_motion(encoding.data)
         write_clusters(context.output / CLUSTERS_FILE, motion.frame(0), motion.faces, encoding.labels)
         report = describe(encoding, params, stages.finished())
         write_report(report, context.output)
+        write_pictures(report, motion.frame(0), motion.faces, encoding.labels, context.output)
         context.progress(1.0)
         return summary(report)
 

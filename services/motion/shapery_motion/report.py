@@ -1,4 +1,4 @@
-"""What is told of an encoding: ``report.json``, and a mesh whose colours show the clusters."""
+"""What is told of an encoding: ``report.json``, pictures, and a mesh whose colours show the clusters."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from shapery_contracts.motion import (
 from shapery_contracts.segmentation import StageTime
 from shapery_geometry.mesh import IntArray
 from shapery_motion.codec import Encoding
+from shapery_motion.pictures import cluster_colours, clusters_png, rate_svg
 from shapery_motion.playing import FrameArray
 
 MOTION_FILE, REPORT_FILE, CLUSTERS_FILE = "motion.smc", "report.json", "clusters.ply"
@@ -76,14 +77,20 @@ def write_report(report: MotionReport, folder: Path) -> None:
     (folder / REPORT_FILE).write_text(text + "\n", encoding="utf-8")
 
 
+def write_pictures(
+    report: MotionReport, vertices: FrameArray, faces: IntArray, labels: IntArray, folder: Path
+) -> None:
+    """Write ``clusters.png`` and ``rate.svg``."""
+    (folder / "clusters.png").write_bytes(clusters_png(vertices, faces, labels))
+    points = [(point.kg_percent, point.motion_bits_per_vertex_frame) for point in report.rate_distortion]
+    (folder / "rate.svg").write_text(rate_svg(points, report.errors.kg_percent), encoding="utf-8")
+
+
 def write_clusters(path: Path, vertices: FrameArray, faces: IntArray, labels: IntArray) -> None:
     """Write a binary PLY of the first frame whose vertices bear the colours of their clusters."""
     rows = np.empty(len(vertices), dtype=np.dtype([("at", "<f4", 3), ("colour", "u1", 3)]))
     rows["at"] = vertices
-    # hues a golden ratio apart stay distinct however many there are
-    hue = (np.arange(int(labels.max()) + 1)[:, None] * 0.618034 + np.array([0.0, 1 / 3, 2 / 3])) % 1.0
-    palette = (95 + 160 * np.abs(2.0 * hue - 1.0)).astype(np.uint8)
-    rows["colour"] = palette[labels]
+    rows["colour"] = cluster_colours(int(labels.max()) + 1)[labels]
     corners = np.empty(len(faces), dtype=np.dtype([("count", "u1"), ("indices", "<i4", 3)]))
     corners["count"] = 3
     corners["indices"] = faces

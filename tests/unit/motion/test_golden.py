@@ -11,14 +11,22 @@ import pytest
 
 from shapery_motion import decode, info
 
-FOLDER = Path(__file__).parent / "golden" / "trajectory"
-EXPECTED = json.loads((FOLDER / "expected.json").read_text())
+FOLDERS = {
+    version: Path(__file__).parent / "golden" / name
+    for version, name in (("1.0", "trajectory"), ("1.1", "trajectory-1.1"))
+}
+EXPECTED = {
+    (version, name): expected
+    for version, folder in FOLDERS.items()
+    for name, expected in json.loads((folder / "expected.json").read_text()).items()
+}
 
 
-@pytest.mark.parametrize("name", sorted(EXPECTED))
-def test_a_file_decodes_to_the_same_bits_as_when_it_was_written(name: str) -> None:
-    expected = EXPECTED[name]
-    data = (FOLDER / f"{name}.smc").read_bytes()
+@pytest.mark.parametrize(("version", "name"), sorted(EXPECTED))
+def test_a_file_decodes_to_the_same_bits_as_when_it_was_written(version: str, name: str) -> None:
+    expected = EXPECTED[version, name]
+    data = (FOLDERS[version] / f"{name}.smc").read_bytes()
+    assert info(data).version == version
     sequence = decode(data)
     assert list(sequence.vertices.shape) == expected["shape"]
     # a readable hint before the digest says no

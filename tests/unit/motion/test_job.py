@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 import struct
 import subprocess
 import sys
 import zipfile
 from pathlib import Path
+from xml.etree import ElementTree
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import trimesh
@@ -60,6 +63,33 @@ def test_the_report_adds_up(encoded: Path) -> None:
     rates = report["rate_distortion"]
     assert [point["kg_percent"] for point in rates] == sorted(point["kg_percent"] for point in rates)
     assert len(trimesh.load(encoded / "clusters.ply", process=False).vertices) == 90
+
+
+def test_residuals_lead_back_to_the_original(encoded: Path) -> None:
+    data = gzip.decompress((encoded / "residuals.bin.gz").read_bytes())
+    magic, frames, vertices, step = struct.unpack_from("<4s2If", data)
+    assert (magic, frames, vertices) == (b"SMR1", 12, 90)
+    residuals = np.frombuffer(data, np.int8, offset=16).reshape(12, 90, 3)
+    assert np.abs(residuals).max() > 60
+    decoded = decode((encoded / "motion.smc").read_bytes()).vertices
+    assert np.abs(decoded + residuals * step - FRAMES).max() < 0.51 * step + 1e-5
+
+
+def test_the_pictures_show_clusters_and_the_curve(encoded: Path) -> None:
+    report = json.loads((encoded / "report.json").read_text())
+    picture = plt.imread(encoded / "clusters.png")
+    covered = picture[..., 3] > 0.99
+    assert 0.1 < covered.mean() < 0.95
+    assert not covered[0].any()
+    shades = picture[covered][:, :3] / picture[covered][:, :3].max(axis=1, keepdims=True)
+    hues = np.unique(np.rint(shades * 8).astype(int), axis=0)
+    assert len(hues) >= report["clusters"]
+    tree = ElementTree.parse(encoded / "rate.svg")
+    circles = tree.findall(".//{http://www.w3.org/2000/svg}circle")
+    assert len(circles) == len(report["rate_distortion"])
+    assert [circle.get("r") for circle in circles].count("5") == 1
+    by_error = [float(circle.get("cy", "nan")) for circle in sorted(circles, key=lambda c: float(c.get("cx", "nan")))]
+    assert by_error == sorted(by_error)  # downwards: fewer bits at larger errors
 
 
 @pytest.mark.parametrize("form", ["npz", "obj", "ply"])
@@ -138,7 +168,8 @@ def test_the_commands_encode_tell_and_decode(encoded: Path, tmp_path: Path) -> N
     back = shapery("decode", out, "--out", tmp_path / "part.npz", "--frames", "2:5")
     assert back.returncode == 0, back.stderr
     assert len(read_sequence(tmp_path / "part.npz")) == 3
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["clusters.ply", "part.npz", "report.json", "walk.smc"]
+    report = ["clusters.ply", "clusters.png", "rate.svg", "report.json", "residuals.bin.gz"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted([*report, "part.npz", "walk.smc"])
 
 
 def test_the_commands_refuse_in_a_sentence(encoded: Path, tmp_path: Path) -> None:

@@ -2,6 +2,9 @@
 
 A node holds the mean of its vertices. Going down, each pair needs the difference of its children's means; it is
 predicted from the nodes around, and what remains is coded at a step of 1 in the orthonormal (Haar) scaling.
+
+The stream comes in two editions. In the second, what earlier clusters say of the vertices beside a cluster helps to
+predict it, predictions are trusted as far as they proved right, and links are weighted anew as modes are known.
 """
 
 # mypy: allow-untyped-defs, allow-untyped-calls
@@ -27,8 +30,12 @@ ROWS: Final = 8
 """Sets of mixing weights."""
 SWEEPS: Final = 3
 """Passes of relaxation in which a level is predicted from the one above."""
-GUIDES: Final = 3
-"""Modes whose decoded fields stand for coordinates, by which the links of later modes are weighted."""
+GUIDES: Final = (3, 6, 12, 24)
+"""Numbers of decoded modes after which their fields, as coordinates, weight the links of later modes; the first
+edition knows the first number only."""
+PRIOR: Final = 5.0
+"""With how many squared steps a prediction is trusted before it was tried."""
+MOST_TRUST: Final = 1.3
 NEAREST: Final = 0.1
 MAX_LEVEL: Final = 12
 MAX_MODE: Final = 24
@@ -59,7 +66,9 @@ def scale(quarters):
 
 
 @inlined
-def optimum(pair, children, sizes, links, link_starts, link_weights, inner_weight, means, center):
+def optimum(
+    pair, children, sizes, links, link_starts, link_weights, inner_weight, means, center, outer_weights, outer
+):
     """Return the difference of the children's means at which the squared differences along edges are least."""
     a, b = children[pair, 0], children[pair, 1]
     whole = float(sizes[a] + sizes[b])
@@ -73,48 +82,70 @@ def optimum(pair, children, sizes, links, link_starts, link_weights, inner_weigh
         w = share_b * link_weights[e]
         pull -= w * (means[links[e]] - center)
         stiffness += share_b * w
+    if len(outer):
+        if outer_weights[a] > 0.0:
+            w = share_a * outer_weights[a]
+            pull += w * (outer[a] - center)
+            stiffness += share_a * w
+        if outer_weights[b] > 0.0:
+            w = share_b * outer_weights[b]
+            pull -= w * (outer[b] - center)
+            stiffness += share_b * w
     return pull / stiffness if stiffness > 0.0 else 0.0
 
 
-@inlined
-def distance(places, a, b):
-    """Return how far two nodes lie apart."""
-    total = 0.0
-    for k in range(GUIDES):
-        step = places[a, k] - places[b, k]
-        total += step * step
-    return np.sqrt(total)
+@inner
+def add_squares(children, links, link_starts, means, outer, link_squares, inner_squares, outer_squares):
+    """Add the squared differences of a mode's means along all links to those of the modes before it."""
+    for pair in range(len(children)):
+        for side in range(2):
+            node = children[pair, side]
+            for e in range(link_starts[2 * pair + side], link_starts[2 * pair + side + 1]):
+                step = means[node] - means[links[e]]
+                link_squares[e] += step * step
+            if len(outer):
+                step = means[node] - outer[node]
+                outer_squares[node] += step * step
+        step = means[children[pair, 0]] - means[children[pair, 1]]
+        inner_squares[pair] += step * step
 
 
 @inner
-def weigh_links(children, levels, links, link_starts, link_weights, inner_weights, places):
-    """Replace the weights of links by what they are in space: the count of edges / distance ^ 3/2 in each level."""
-    low, pairs = 0, len(children)
+def weigh_links(
+    children, levels, link_starts, link_counts, link_squares, link_weights,
+    inner_counts, inner_squares, inner_weights, outer_counts, outer_squares, outer_weights,
+):  # fmt: skip
+    """Set the weights of links to what they are in space: the count of edges / distance ^ 3/2 in each level."""
+    low, pairs = 0, len(levels)
     while low < pairs:
         high = low
         total, count = 0.0, 0
         while high < pairs and levels[high] == levels[low]:
-            for side in range(2):
-                for e in range(link_starts[2 * high + side], link_starts[2 * high + side + 1]):
-                    total += distance(places, children[high, side], links[e])
-                    count += 1
+            for e in range(link_starts[2 * high], link_starts[2 * high + 2]):
+                total += np.sqrt(link_squares[e])
+                count += 1
             high += 1
         unit = total / count if count else 1.0
         if unit > 0.0:
             for pair in range(low, high):
-                for side in range(2):
-                    for e in range(link_starts[2 * pair + side], link_starts[2 * pair + side + 1]):
-                        d = max(distance(places, children[pair, side], links[e]) / unit, NEAREST)
-                        link_weights[e] = link_weights[e] / (d * np.sqrt(d))
-                d = max(distance(places, children[pair, 0], children[pair, 1]) / unit, NEAREST)
-                inner_weights[pair] = inner_weights[pair] / (d * np.sqrt(d))
+                for e in range(link_starts[2 * pair], link_starts[2 * pair + 2]):
+                    d = max(np.sqrt(link_squares[e]) / unit, NEAREST)
+                    link_weights[e] = link_counts[e] / (d * np.sqrt(d))
+                d = max(np.sqrt(inner_squares[pair]) / unit, NEAREST)
+                inner_weights[pair] = inner_counts[pair] / (d * np.sqrt(d))
+                if len(outer_counts):
+                    for side in range(2):
+                        node = children[pair, side]
+                        if outer_counts[node] > 0.0:
+                            d = max(np.sqrt(outer_squares[node]) / unit, NEAREST)
+                            outer_weights[node] = outer_counts[node] / (d * np.sqrt(d))
         low = high
 
 
 @kernel
 def code_fields(
     state, buffer, probabilities, hits, weights, bases,
-    children, levels, sizes, links, link_starts, link_weights, inner_weights, parents,
+    children, levels, sizes, links, link_starts, link_counts, inner_counts, parents, outer_counts, outer_values,
     targets, rank, quantised, decoded, costs, trade,
 ):  # fmt: skip
     """Code the fields of one cluster: `rank` modes over n vertices.
@@ -122,13 +153,26 @@ def code_fields(
     Encoding, `targets` (n, rank) holds what is to be coded in units of the step, `costs` the bits of a probability and
     `trade` how much squared error a bit is worth. `decoded` (rank, n) receives the values that a decoder has, and
     `quantised` (rank, 1 + pairs) the whole numbers, by which later modes are predicted.
+
+    In the second edition `outer_counts` (n,) are the edges of each vertex that lead to earlier clusters, and
+    `outer_values` (rank, n) the mean of what is beyond them, 0 where there are none; in the first both are empty.
     """
     pairs = len(children)
     n = pairs + 1
     slots = np.zeros(CONTEXTS, dtype=np.int64)
     logits = np.zeros(CONTEXTS, dtype=np.int64)
     means = np.zeros(n + pairs)
-    places = np.zeros((n + pairs, GUIDES))
+    second = len(outer_counts) > 0
+    link_weights, inner_weights = link_counts.copy(), inner_counts.copy()
+    link_squares, inner_squares = np.zeros(len(link_counts)), np.zeros(pairs)
+    nodes = n + pairs if second else 0
+    counts_outside, squares_outside, outer = np.zeros(nodes), np.zeros(nodes), np.zeros(nodes)
+    if second:
+        counts_outside[:n] = outer_counts
+        for pair in range(pairs):
+            counts_outside[n + pair] = counts_outside[children[pair, 0]] + counts_outside[children[pair, 1]]
+    outer_weights = counts_outside.copy()
+    agreed, tried = np.zeros(MAX_LEVEL), np.zeros(MAX_LEVEL)
     wanted = np.zeros(n + pairs)
     running = np.zeros(MAX_LEVEL, dtype=np.int64)
     encoding = state[MODE] != DECODE
@@ -139,6 +183,15 @@ def code_fields(
         third = quantised[max(mode - 3, 0)]
         for k in range(MAX_LEVEL):
             running[k] = 64
+            agreed[k] = 0.5 * agreed[k] + PRIOR
+            tried[k] = 0.5 * tried[k] + PRIOR
+        if second:
+            outer[:n] = outer_values[mode]
+            for pair in range(pairs):
+                a, b = children[pair, 0], children[pair, 1]
+                count = counts_outside[n + pair]
+                total = counts_outside[a] * outer[a] + counts_outside[b] * outer[b]
+                outer[n + pair] = total / count if count > 0.0 else 0.0
         if encoding:
             for v in range(n):
                 wanted[v] = targets[v, mode]
@@ -172,8 +225,9 @@ def code_fields(
                     a, b = children[pair, 0], children[pair, 1]
                     center = means[n + pair]
                     delta = optimum(
-                        pair, children, sizes, links, link_starts, link_weights, inner_weights[pair], means, center
-                    )
+                        pair, children, sizes, links, link_starts, link_weights, inner_weights[pair], means, center,
+                        outer_weights, outer,
+                    )  # fmt: skip
                     whole = float(sizes[a] + sizes[b])
                     means[a] = center + sizes[b] / whole * delta
                     means[b] = center - sizes[a] / whole * delta
@@ -183,8 +237,9 @@ def code_fields(
                 center = means[n + pair]
                 whole = float(sizes[a] + sizes[b])
                 delta = optimum(
-                    pair, children, sizes, links, link_starts, link_weights, inner_weights[pair], means, center
-                )
+                    pair, children, sizes, links, link_starts, link_weights, inner_weights[pair], means, center,
+                    outer_weights, outer,
+                )  # fmt: skip
                 gain = np.sqrt(sizes[a] * (sizes[b] / whole))
                 # magnitudes around
                 near, count, past = 0, 0, 0
@@ -214,7 +269,10 @@ def code_fields(
                 slots[7] = (bases[7] + prior * SCALES + mean) * BINS
                 row = (1 + min(depth, ROWS - 2)) * BINS
                 other = (ROWS + blend) * BINS
-                guess = gain * delta
+                plain = gain * delta
+                guess = plain
+                if second:
+                    guess = plain * min(max(agreed[depth] / tried[depth], 0.0), MOST_TRUST)
                 value = 0
                 if encoding:
                     rest = gain * (wanted[a] - wanted[b]) - guess
@@ -237,14 +295,19 @@ def code_fields(
                 value = code_value(state, buffer, probabilities, hits, slots, weights, row, other, logits, -1, value)
                 now[pair] = value
                 running[depth] += ((abs(value) << 8) - running[depth] * 4 + 32) >> 6
+                agreed[depth] += plain * (guess + value)
+                tried[depth] += plain * plain
                 delta = (guess + value) / gain
                 means[a] = center + sizes[b] / whole * delta
                 means[b] = center - sizes[a] / whole * delta
             high = low
         for v in range(n):
             decoded[mode, v] = means[v]
-        if mode < GUIDES:
-            for node in range(n + pairs):
-                places[node, mode] = means[node]
-        if mode == GUIDES - 1:
-            weigh_links(children, levels, links, link_starts, link_weights, inner_weights, places)
+        if mode < GUIDES[3 if second else 0]:
+            add_squares(children, links, link_starts, means, outer, link_squares, inner_squares, squares_outside)
+        for k in range(4 if second else 1):
+            if mode + 1 == GUIDES[k]:
+                weigh_links(
+                    children, levels, link_starts, link_counts, link_squares, link_weights,
+                    inner_counts, inner_squares, inner_weights, counts_outside, squares_outside, outer_weights,
+                )  # fmt: skip

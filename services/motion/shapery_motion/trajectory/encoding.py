@@ -12,6 +12,8 @@ from scipy.fft import dct, idct
 
 from shapery_contracts.errors import InvalidInput
 from shapery_motion.graph import VertexGraph
+from shapery_motion.trajectory._frame_kernels import functions_of_time
+from shapery_motion.trajectory.borders import Border, DecodedCluster, in_rows, numbers_within
 from shapery_motion.trajectory.model import BASES, FIELDS, MODEL, GroupModel
 from shapery_motion.trajectory.streams import BasisStream, FieldStream, PairingTree
 
@@ -23,7 +25,11 @@ LARGEST: Final = (1 << 23) - 1
 TRADE: Final = 0.08
 """Squared error, in squared steps, for which a bit is spared."""
 GRID: Final = 4
-"""Frames between places where a run may begin."""
+"""Frames between places where a run may begin, or a multiple of it in long groups."""
+PLACES: Final = 32
+"""How many such places there are at the most."""
+RUN_BITS: Final = 8.0
+"""What a further run costs by itself."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +38,7 @@ class Cluster:
 
     members: IntArray
     tree: PairingTree
+    border: Border
     trajectories: FloatArray
     """(n, 3F) as cosine coefficients of the runs."""
     cuts: IntArray
@@ -107,9 +114,10 @@ def prepare(trajectories: FloatArray, graph: VertexGraph, labels: IntArray, step
     """
     n, frames, _ = trajectories.shape
     scratch = np.full(n, -1, dtype=np.int64)
+    groups = tuple(np.flatnonzero(labels == label) for label in range(int(labels.max()) + 1))
+    local = numbers_within(labels, groups)
     clusters = []
-    for label in range(int(labels.max()) + 1):
-        members = np.flatnonzero(labels == label)
+    for members in groups:
         tree = PairingTree.of_members(graph, members, scratch)
         own = trajectories[members]
         energies, modes = principal_modes(own.reshape(len(members), -1), step)
@@ -118,38 +126,34 @@ def prepare(trajectories: FloatArray, graph: VertexGraph, labels: IntArray, step
         cuts = best_cuts(amplitudes) if cut else np.array([0, frames], dtype=np.int64)
         coefficients = in_runs(functions, cuts).transpose(1, 0, 2).reshape(len(modes), -1)
         transformed = in_runs(own.transpose(1, 0, 2), cuts).transpose(1, 0, 2).reshape(len(members), -1)
-        clusters.append(Cluster(members, tree, transformed, cuts, energies, coefficients))
+        border = Border.of_members(graph, members, labels, local)
+        clusters.append(Cluster(members, tree, border, transformed, cuts, energies, coefficients))
     return clusters
 
 
-def _bits(coefficients: FloatArray) -> float:
-    return float(np.log2(1.0 + np.abs(coefficients) * 2.0).sum())
-
-
-def best_cuts(amplitudes: FloatArray, *, most_modes: int = 12) -> IntArray:
+def best_cuts(amplitudes: FloatArray, *, most_modes: int = 16) -> IntArray:
     """Return where runs should begin, so that the cosine coefficients of (F, r, 3) functions, in steps, cost least.
 
-    Runs are split in two at the best place as long as that pays.
+    All ways to cut on a grid are compared (dynamic programming).
     """
     frames = len(amplitudes)
     values = np.ascontiguousarray(amplitudes[:, :most_modes].reshape(frames, -1))
-
-    def cost(first: int, stop: int) -> float:
-        return _bits(dct(values[first:stop], axis=0, norm="ortho"))
-
-    done: list[int] = [0]
-    waiting = [(0, frames, cost(0, frames))] if frames > GRID and values.size else []
-    while waiting:
-        first, stop, whole = waiting.pop()
-        best, place, halves = whole - 8.0, 0, (0.0, 0.0)
-        for at in range(first + GRID, stop - GRID + 1, GRID):
-            left, right = cost(first, at), cost(at, stop)
-            if left + right < best:
-                best, place, halves = left + right, at, (left, right)
-        if place:
-            done.append(place)
-            waiting += [(first, place, halves[0]), (place, stop, halves[1])]
-    return np.array([*sorted(done), frames], dtype=np.int64)
+    grid = GRID * -(-frames // (GRID * PLACES))
+    places = [*range(0, frames - grid + 1, grid), frames]
+    if values.size == 0 or len(places) < 3:
+        return np.array([0, frames], dtype=np.int64)
+    least, before = [0.0], [0]
+    for stop in range(1, len(places)):
+        costs = []
+        for first in range(stop):
+            run = dct(values[places[first] : places[stop]], axis=0, norm="ortho")
+            costs.append(least[first] + RUN_BITS + float(np.log2(1.0 + 2.0 * np.abs(run)).sum()))
+        before.append(int(np.argmin(costs)))
+        least.append(costs[before[-1]])
+    cuts = [len(places) - 1]
+    while cuts[-1]:
+        cuts.append(before[cuts[-1]])
+    return np.array([places[cut] for cut in reversed(cuts)], dtype=np.int64)
 
 
 def encode_at(
@@ -178,6 +182,7 @@ def encode_at(
     labels = np.zeros(n, dtype=np.int64)
     ranks = np.zeros(len(clusters), dtype=np.int64)
     error = 0.0
+    done: list[DecodedCluster] = []
     shown = np.bincount(sources, minlength=frames).astype(np.float64)
     once = bool((shown == 1.0).all())
     for label, cluster in enumerate(clusters):
@@ -200,7 +205,10 @@ def encode_at(
         # the fields are fitted anew to the bases as a decoder will have them
         wanted = np.zeros((count, rank))
         wanted[:, used] = np.linalg.lstsq(flat[used].T, cluster.trajectories.T, rcond=None)[0].T / step
-        decoded = fields.code(cluster.tree, rank, wanted)
+        functions = np.zeros((frames, rank, 3))
+        functions_of_time(cluster.cuts, quantised, functions)
+        decoded = fields.code(cluster.tree, rank, wanted, cluster.border.predict(done, in_rows(functions)))
+        done.append(DecodedCluster.of(decoded, functions))
         rest = cluster.trajectories - (decoded.T * step) @ flat
         if once:
             error += float((rest**2).sum())

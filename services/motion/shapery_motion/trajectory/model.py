@@ -16,7 +16,9 @@ from shapery_motion.entropy.stream import Stream
 from shapery_motion.graph import VertexGraph
 from shapery_motion.trajectory import _model_kernels as kernels
 
-MODEL, BASES, FIELDS = "TMOD", "TBAS", "TFLD"
+MODEL, BASES = "TMOD", "TBAS"
+FIELDS, FIRST_FIELDS = "TFL2", "TFLD"
+"""The stream of fields as it is written, and as version 1.0 of the format had it."""
 MAX_CLUSTERS: Final = 1 << 16
 MAX_RANK: Final = 4096
 

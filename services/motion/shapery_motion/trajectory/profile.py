@@ -15,9 +15,10 @@ from shapery_motion.container.sections import damaged
 from shapery_motion.graph import VertexGraph
 from shapery_motion.profiles import EncodedGroup, GroupTask
 from shapery_motion.trajectory import _frame_kernels as kernels
+from shapery_motion.trajectory.borders import Border, DecodedCluster, in_rows, numbers_within
 from shapery_motion.trajectory.clustering import find_clusters
-from shapery_motion.trajectory.encoding import Cluster, Encoded, encode_at, prepare
-from shapery_motion.trajectory.model import BASES, FIELDS, MODEL, GroupModel
+from shapery_motion.trajectory.encoding import Encoded, encode_at, prepare
+from shapery_motion.trajectory.model import BASES, FIELDS, FIRST_FIELDS, MODEL, GroupModel
 from shapery_motion.trajectory.streams import BasisStream, FieldStream, PairingTree
 
 FloatArray = NDArray[np.float64]
@@ -53,22 +54,21 @@ def encode_group(task: GroupTask) -> EncodedGroup:
     target = allowed - lost
     step = math.sqrt(FIRST * target / (frames * n))
     thorough = task.preset == "default"
+    if thorough:
+        step = about_the_step(trajectories, graph, step, target, offset=offset, sources=sources)
     ways = find_clusters(trajectories, graph, step, count=task.clusters, thorough=thorough)
     task.on_progress(0.2)
-    clusters: list[Cluster] = []
-    least = math.inf
-    for number, labels in enumerate(ways):
+    least, labels = math.inf, ways[0]
+    for number, way in enumerate(ways if len(ways) > 1 else ()):
         task.check_cancelled()
-        prepared = prepare(trajectories, graph, labels, step, cut=thorough and len(kept) > 1)
-        if len(ways) == 1:
-            clusters = prepared
-            break
-        made = encode_at(prepared, graph, step, offset=offset, sources=sources)
+        made = encode_at(prepare(trajectories, graph, way, step, cut=False), graph, step, offset=offset, sources=sources)
         # sizes at equal errors, as far as rates follow a power of the error
         size = made.size * (made.squared_error / target) ** SLOPE
         if size < least:
-            clusters, least = prepared, size
-        task.on_progress(0.2 + 0.2 * (number + 1) / len(ways))
+            labels, least = way, size
+        task.on_progress(0.2 + 0.15 * (number + 1) / len(ways))
+    clusters = prepare(trajectories, graph, labels, step, cut=thorough and len(kept) > 1)
+    task.on_progress(0.4)
     best: Encoded | None = None
     low, high = 0.0, math.inf
     slope, tried = 1.8, (0.0, 0.0)
@@ -106,6 +106,25 @@ def encode_group(task: GroupTask) -> EncodedGroup:
         points=tuple(points),
         part_names=PART_NAMES,
     )
+
+
+def about_the_step(
+    trajectories: FloatArray,
+    graph: VertexGraph,
+    step: float,
+    target: float,
+    *,
+    offset: FloatArray,
+    sources: NDArray[np.int64],
+) -> float:
+    """Return about the step that meets a squared error, from quick encodings: clusters depend on it."""
+    for _ in range(2):
+        labels = find_clusters(trajectories, graph, step, count=None, thorough=False)[0]
+        made = encode_at(
+            prepare(trajectories, graph, labels, step, cut=False), graph, step, offset=offset, sources=sources
+        )
+        step *= min(max((target / max(made.squared_error, 1e-300)) ** (1.0 / 1.8), 0.2), 5.0)
+    return step
 
 
 def repeated_frames(frames: FloatArray, tolerance: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -169,14 +188,19 @@ def open_group(
     sections: Mapping[str, memoryview], frames: int, vertices: int, faces: IntArray, memory: int
 ) -> TrajectoryGroup:
     """Decode the streams of a group: see `shapery_motion.profiles.Profile`."""
-    for tag in (MODEL, BASES, FIELDS):
+    first_edition = FIELDS not in sections and FIRST_FIELDS in sections
+    for tag in (MODEL, BASES, FIRST_FIELDS if first_edition else FIELDS):
         if tag not in sections:
             raise damaged(tag, "is missing")
     graph = VertexGraph.of_faces(vertices, faces)
     model = GroupModel.unpack(sections[MODEL], frames, graph, memory)
-    basis_stream, field_stream = BasisStream(data=sections[BASES]), FieldStream(data=sections[FIELDS])
+    tag = FIRST_FIELDS if first_edition else FIELDS
+    basis_stream, field_stream = BasisStream(data=sections[BASES]), FieldStream(data=sections[tag])
     scratch = np.full(vertices, -1, dtype=np.int64)
-    fields, bases = [], []
+    local = numbers_within(model.labels, model.members)
+    fields: list[FloatArray] = []
+    bases: list[FloatArray] = []
+    done: list[DecodedCluster] = []
     for members, rank, cuts in zip(model.members, model.ranks.tolist(), model.cuts, strict=True):
         quantised = np.zeros((rank, model.kept, 3), dtype=np.int64)
         basis_stream.code(cuts, quantised)
@@ -185,6 +209,12 @@ def open_group(
         bases.append(functions)
         basis_stream.stream.check_end(BASES)
         tree = PairingTree.of_members(graph, members, scratch)
-        fields.append(field_stream.code(tree, rank) * model.step)
-        field_stream.stream.check_end(FIELDS)
+        if first_edition:
+            found = field_stream.code(tree, rank)
+        else:
+            border = Border.of_members(graph, members, model.labels, local)
+            found = field_stream.code(tree, rank, beside=border.predict(done, in_rows(functions)))
+            done.append(DecodedCluster.of(found, functions))
+        fields.append(found * model.step)
+        field_stream.stream.check_end(tag)
     return TrajectoryGroup(model, fields, bases)

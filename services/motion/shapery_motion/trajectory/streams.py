@@ -24,6 +24,7 @@ COSTS: Final[FloatArray] = np.array([-np.log2(max(k, 0.5) / 4096) for k in range
 """Bits of a decision by its probability in 1/4096, for estimates."""
 _NO_TARGETS: Final[FloatArray] = np.zeros((0, 0))
 _EMPTY: Final[FloatArray] = np.zeros((0, 0, 0))
+_NOTHING_BESIDE: Final[tuple[FloatArray, FloatArray]] = (np.zeros(0), np.zeros((0, 0)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,12 +66,6 @@ class PairingTree:
         )
         return cls(parts, len(members))
 
-    @property
-    def fresh_parts(self) -> tuple[Any, ...]:
-        """The arrays for one pass of `code_fields`, which changes the weights."""
-        children, levels, sizes, links, link_starts, link_weights, inner_weights, parents = self.parts
-        return children, levels, sizes, links, link_starts, link_weights.copy(), inner_weights.copy(), parents
-
 
 def _subgraph(graph: VertexGraph, members: IntArray, local: IntArray) -> tuple[IntArray, NDArray[np.int32]]:
     """Return the graph among some vertices, numbered by `local`."""
@@ -109,7 +104,7 @@ class BasisStream:
 
 
 class FieldStream:
-    """Stream TFLD."""
+    """Streams TFLD and TFL2."""
 
     def __init__(self, *, data: memoryview | None = None, room: int = 0, trade: float = 0.0) -> None:
         sizes = _field_kernels.FIELD_SIZES
@@ -117,8 +112,17 @@ class FieldStream:
         self._bases = np.concatenate(([0], np.cumsum(sizes)[:-1]))
         self._trade = trade
 
-    def code(self, tree: PairingTree, rank: int, targets: FloatArray = _NO_TARGETS) -> FloatArray:
-        """Code the fields of a cluster, in units of the step; return them (rank, n) as a decoder has them."""
+    def code(
+        self,
+        tree: PairingTree,
+        rank: int,
+        targets: FloatArray = _NO_TARGETS,
+        beside: tuple[FloatArray, FloatArray] = _NOTHING_BESIDE,
+    ) -> FloatArray:
+        """Code the fields of a cluster, in units of the step; return them (rank, n) as a decoder has them.
+
+        `beside` is what `Border.predict` tells; without it the stream is of the first edition.
+        """
         stream = self._stream
         quantised = np.zeros((rank, tree.vertices), dtype=np.int64)
         decoded = np.zeros((rank, tree.vertices))
@@ -127,7 +131,8 @@ class FieldStream:
                 *stream.parts,
                 stream.weights,
                 self._bases,
-                *tree.fresh_parts,
+                *tree.parts,
+                *beside,
                 targets,
                 rank,
                 quantised,

@@ -42,7 +42,7 @@ def encode(
     fps: Annotated[float | None, typer.Option(help="Frames per second, for players.")] = None,
     unit: Annotated[str, typer.Option(help="Unit of the coordinates, for viewers.")] = "",
     name: Annotated[str, typer.Option(help="What the motion is called; by default as its file.")] = "",
-    report: Annotated[Path | None, typer.Option(help="Also write a folder with report.json and clusters.ply.")] = None,
+    report: Annotated[Path | None, typer.Option(help="Also write a folder with the report and its pictures.")] = None,
     server: OptionalServerOption = None,
     api_key: KeyOption = None,
     json: JsonOption = False,

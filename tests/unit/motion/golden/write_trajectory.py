@@ -1,4 +1,7 @@
-"""Write the golden files anew, as ``python -m tests.unit.motion.golden.write_trajectory``: for a new major version."""
+"""Write the golden files of a new version: ``python -m tests.unit.motion.golden.write_trajectory``.
+
+Those of earlier versions stay as they are.
+"""
 
 from __future__ import annotations
 
@@ -8,9 +11,10 @@ from pathlib import Path
 
 from shapery_contracts.motion import MotionEncodeParams
 from shapery_motion import decode, encode, info
+from shapery_motion.container.header import VERSION
 from tests.support.motions import difficult_sequences
 
-FOLDER = Path(__file__).parent / "trajectory"
+FOLDER = Path(__file__).parent / "trajectory-{}.{}".format(*VERSION)
 CASES = {
     "waving": ("waving", MotionEncodeParams(kg=0.2, fps=24.0, unit="m", name="waving")),
     "double": ("double precision", MotionEncodeParams(kg=0.05)),
@@ -25,6 +29,7 @@ CASES = {
 
 def write() -> None:
     """Write the files and what they decode to."""
+    FOLDER.mkdir()
     sequences = difficult_sequences()
     expected = {}
     for name, (case, params) in CASES.items():

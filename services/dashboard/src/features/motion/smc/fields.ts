@@ -1,4 +1,5 @@
-import { type PairingTree, weighLinks } from "./pairing";
+import type { Beside } from "./borders";
+import { LinkWeights, type Outside, type PairingTree } from "./pairing";
 import { BINS, bits, type RangeDecoder } from "./rangeCoder";
 
 /** How many contexts there are of each kind, and where each kind begins: section 5.2 of api_schema/smc.md. */
@@ -13,13 +14,41 @@ export function scale(x: number): number {
   return Math.min(2 * length + (Math.floor(x / 2 ** (length - 2)) & 1), 15);
 }
 
-/** Decode a cluster's fields in units of the step: `rank` rows of as many values as it has vertices. */
-export function decodeFields(decoder: RangeDecoder, tree: PairingTree, rank: number): Float64Array {
-  const { children, levels, sizes, parents, links, linkStarts, linkWeights, innerWeights } = tree;
+/** After how many modes links are weighted anew; the first edition of the stream knows the first number only. */
+const GUIDES = [3, 6, 12, 24];
+
+/** Of the second edition of the stream: what is known of the vertices beside the cluster, spread over its tree. */
+function spread({ children, levels }: PairingTree, beside: Beside): Outside {
+  const nodes = 2 * levels.length + 1;
+  const counts = new Float64Array(nodes);
+  counts.set(beside.counts);
+  levels.forEach((_, pair) => {
+    const [a, b] = [children[2 * pair] as number, children[2 * pair + 1] as number];
+    counts[levels.length + 1 + pair] = (counts[a] as number) + (counts[b] as number);
+  });
+  return { counts, weights: counts.slice(), means: new Float64Array(nodes) };
+}
+
+/**
+ * Decode a cluster's fields in units of the step: `rank` rows of as many values as it has vertices.
+ *
+ * `beside` is what earlier clusters tell in the second edition of the stream; the first has none.
+ */
+export function decodeFields(
+  decoder: RangeDecoder,
+  tree: PairingTree,
+  rank: number,
+  beside: Beside | null,
+): Float64Array {
+  const { children, levels, sizes, parents, links, linkStarts } = tree;
+  const outside = beside && spread(tree, beside);
+  const weights = new LinkWeights(tree, outside);
+  const { links: linkWeights, inner: innerWeights } = weights;
+  const agreed = new Float64Array(12);
+  const tried = new Float64Array(12);
   const pairs = levels.length;
   const n = pairs + 1;
   const means = new Float64Array(n + pairs);
-  const places = new Float64Array(3 * (n + pairs));
   const fields = new Float64Array(rank * n);
   const nothing = new Int32Array(pairs + 1);
   // Magnitudes of this mode and of the three before it.
@@ -46,6 +75,19 @@ export function decodeFields(decoder: RangeDecoder, tree: PairingTree, rank: num
       pull -= u * ((means[links[e] ?? 0] ?? 0) - center);
       stiffness += shareB * u;
     }
+    if (outside) {
+      const [a, b] = [children[2 * pair] as number, children[2 * pair + 1] as number];
+      if ((outside.weights[a] as number) > 0) {
+        const u = shareA * (outside.weights[a] as number);
+        pull += u * ((outside.means[a] as number) - center);
+        stiffness += shareA * u;
+      }
+      if ((outside.weights[b] as number) > 0) {
+        const u = shareB * (outside.weights[b] as number);
+        pull -= u * ((outside.means[b] as number) - center);
+        stiffness += shareB * u;
+      }
+    }
     return stiffness > 0 ? pull / stiffness : 0;
   };
   const part = (pair: number, center: number, difference: number) => {
@@ -60,6 +102,20 @@ export function decodeFields(decoder: RangeDecoder, tree: PairingTree, rank: num
     now = new Int32Array(pairs + 1);
     const running = new Float64Array(12).fill(64);
     const modeSmall = Math.min(mode, 23);
+    for (let d = 0; d < 12; d += 1) {
+      agreed[d] = 0.5 * (agreed[d] as number) + 5;
+      tried[d] = 0.5 * (tried[d] as number) + 5;
+    }
+    if (outside && beside) {
+      const { counts, means: there } = outside;
+      there.set(beside.means.subarray(mode * n, (mode + 1) * n));
+      for (let pair = 0; pair < pairs; pair += 1) {
+        const [a, b] = [children[2 * pair] as number, children[2 * pair + 1] as number];
+        const count = counts[n + pair] as number;
+        const total = (counts[a] as number) * (there[a] as number) + (counts[b] as number) * (there[b] as number);
+        there[n + pair] = count > 0 ? total / count : 0;
+      }
+    }
     for (let kind = 1; kind < 8; kind += 1) context(kind, kind % 2 ? Math.min(mode, 15) : 0);
     context(0, 264 + modeSmall);
     const value = decoder.value(0, 8, -1);
@@ -86,8 +142,10 @@ export function decodeFields(decoder: RangeDecoder, tree: PairingTree, rank: num
         const center = means[n + pair] ?? 0;
         const sizeA = sizes[children[2 * pair] ?? 0] ?? 0;
         const sizeB = sizes[children[2 * pair + 1] ?? 0] ?? 0;
-        const guess = optimum(pair, center);
         const gain = Math.sqrt(sizeA * (sizeB / (sizeA + sizeB)));
+        const plain = gain * optimum(pair, center);
+        const trust = (agreed[depth] as number) / (tried[depth] as number);
+        const guess = outside ? plain * Math.min(Math.max(trust, 0), 1.3) : plain;
         let [near, count, past] = [0, 0, 0];
         const begin = linkStarts[2 * pair] ?? 0;
         const end = linkStarts[2 * pair + 2] ?? 0;
@@ -120,13 +178,15 @@ export function decodeFields(decoder: RangeDecoder, tree: PairingTree, rank: num
         now[pair] = magnitude;
         const m = running[depth] ?? 0;
         running[depth] = m + Math.floor((256 * magnitude - 4 * m + 32) / 64);
-        part(pair, center, (gain * guess + given) / gain);
+        agreed[depth] = (agreed[depth] as number) + plain * (guess + given);
+        tried[depth] = (tried[depth] as number) + plain * plain;
+        part(pair, center, (guess + given) / gain);
       }
       high = low;
     }
     fields.set(means.subarray(0, n), mode * n);
-    if (mode < 3) means.forEach((at, node) => (places[3 * node + mode] = at));
-    if (mode === 2) weighLinks(tree, places);
+    if (mode < (outside ? 24 : 3)) weights.add(means);
+    if (outside ? GUIDES.includes(mode + 1) : mode === 2) weights.update();
     [e1s, e2s, e3s] = [now, e1s, e2s];
   }
   return fields;

@@ -166,47 +166,86 @@ function match(
   return matched;
 }
 
-const GUIDES = 3;
 const NEAREST = 0.1;
 
-/** After mode 2: links weigh less the farther apart their ends lie, by the coordinates (3 for each node). */
-export function weighLinks(tree: PairingTree, places: Float64Array): void {
-  const { children, levels, links, linkStarts, linkWeights, innerWeights } = tree;
-  const distance = (a: number, b: number) => {
-    let total = 0;
-    for (let k = 0; k < GUIDES; k += 1) {
-      const step = (places[GUIDES * a + k] ?? 0) - (places[GUIDES * b + k] ?? 0);
-      total += step * step;
+/** What predicts a cluster from outside: for each node the edges that lead to earlier clusters, and what is there. */
+export interface Outside {
+  counts: Float64Array;
+  weights: Float64Array;
+  means: Float64Array;
+}
+
+/** Sums of squared differences along the links of a tree, over the modes decoded so far; by them links are weighted. */
+export class LinkWeights {
+  readonly links: Float64Array;
+  readonly inner: Float64Array;
+  readonly #tree: PairingTree;
+  readonly #outside: Outside | null;
+  readonly #linkSquares: Float64Array;
+  readonly #innerSquares: Float64Array;
+  readonly #outerSquares: Float64Array;
+
+  constructor(tree: PairingTree, outside: Outside | null) {
+    this.#tree = tree;
+    this.#outside = outside;
+    this.links = Float64Array.from(tree.linkWeights);
+    this.inner = Float64Array.from(tree.innerWeights);
+    this.#linkSquares = new Float64Array(this.links.length);
+    this.#innerSquares = new Float64Array(this.inner.length);
+    this.#outerSquares = new Float64Array(outside?.counts.length ?? 0);
+  }
+
+  add(means: Float64Array): void {
+    const { children, levels, links, linkStarts } = this.#tree;
+    const mean = (node: number) => means[node] as number;
+    for (let pair = 0; pair < levels.length; pair += 1) {
+      for (let at = 2 * pair; at < 2 * pair + 2; at += 1) {
+        const node = children[at] as number;
+        for (let e = linkStarts[at] as number; e < (linkStarts[at + 1] as number); e += 1) {
+          const step = mean(node) - mean(links[e] as number);
+          this.#linkSquares[e] = (this.#linkSquares[e] as number) + step * step;
+        }
+        if (this.#outside) {
+          const step = mean(node) - (this.#outside.means[node] as number);
+          this.#outerSquares[node] = (this.#outerSquares[node] as number) + step * step;
+        }
+      }
+      const step = mean(children[2 * pair] as number) - mean(children[2 * pair + 1] as number);
+      this.#innerSquares[pair] = (this.#innerSquares[pair] as number) + step * step;
     }
-    return Math.sqrt(total);
-  };
-  const lighter = (weight: number, apart: number) => {
-    const d = Math.max(apart, NEAREST);
-    return weight / (d * Math.sqrt(d));
-  };
-  for (let low = 0, high = 0; low < levels.length; low = high) {
-    let total = 0;
-    let count = 0;
-    for (high = low; high < levels.length && levels[high] === levels[low]; high += 1) {
-      for (const side of [0, 1]) {
-        const at = 2 * high + side;
-        for (let e = linkStarts[at] ?? 0; e < (linkStarts[at + 1] ?? 0); e += 1) {
-          total += distance(children[at] ?? 0, links[e] ?? 0);
+  }
+
+  /** Links weigh less the farther apart their ends lie. */
+  update(): void {
+    const { children, levels, linkStarts, linkWeights, innerWeights } = this.#tree;
+    const outside = this.#outside;
+    for (let low = 0, high = 0; low < levels.length; low = high) {
+      let total = 0;
+      let count = 0;
+      for (high = low; high < levels.length && levels[high] === levels[low]; high += 1) {
+        for (let e = linkStarts[2 * high] as number; e < (linkStarts[2 * high + 2] as number); e += 1) {
+          total += Math.sqrt(this.#linkSquares[e] as number);
           count += 1;
         }
       }
-    }
-    const unit = count > 0 ? total / count : 1;
-    if (unit <= 0) continue;
-    for (let pair = low; pair < high; pair += 1) {
-      for (const side of [0, 1]) {
-        const at = 2 * pair + side;
-        for (let e = linkStarts[at] ?? 0; e < (linkStarts[at + 1] ?? 0); e += 1) {
-          linkWeights[e] = lighter(linkWeights[e] ?? 0, distance(children[at] ?? 0, links[e] ?? 0) / unit);
+      const unit = count > 0 ? total / count : 1;
+      if (unit <= 0) continue;
+      const lighter = (weight: number, square: number) => {
+        const d = Math.max(Math.sqrt(square) / unit, NEAREST);
+        return weight / (d * Math.sqrt(d));
+      };
+      for (let pair = low; pair < high; pair += 1) {
+        for (let e = linkStarts[2 * pair] as number; e < (linkStarts[2 * pair + 2] as number); e += 1) {
+          this.links[e] = lighter(linkWeights[e] as number, this.#linkSquares[e] as number);
+        }
+        this.inner[pair] = lighter(innerWeights[pair] as number, this.#innerSquares[pair] as number);
+        if (!outside) continue;
+        for (let at = 2 * pair; at < 2 * pair + 2; at += 1) {
+          const node = children[at] as number;
+          const edges = outside.counts[node] as number;
+          if (edges > 0) outside.weights[node] = lighter(edges, this.#outerSquares[node] as number);
         }
       }
-      const apart = distance(children[2 * pair] ?? 0, children[2 * pair + 1] ?? 0) / unit;
-      innerWeights[pair] = lighter(innerWeights[pair] ?? 0, apart);
     }
   }
 }

@@ -1,3 +1,4 @@
+import { type Decoded, inRows, lookBeyond } from "./borders";
 import { CorruptMotion } from "./container";
 import { decodeFields, FIELD_ROWS, FIELD_SLOTS } from "./fields";
 import { decodeFunctions, FUNCTION_ROWS, FUNCTION_SLOTS } from "./functions";
@@ -74,17 +75,25 @@ export class TrajectoryGroup {
 
     const time = new RangeDecoder(section("TBAS"), FUNCTION_SLOTS, FUNCTION_ROWS);
     const functions = named("TBAS", () => model.runs.map((runs, k) => decodeFunctions(time, runs, ranks[k] ?? 0)));
-    const space = new RangeDecoder(section("TFLD"), FIELD_SLOTS, FIELD_ROWS);
+    const firstEdition = !sections.has("TFL2") && sections.has("TFLD");
+    const tag = firstEdition ? "TFLD" : "TFL2";
+    const space = new RangeDecoder(section(tag), FIELD_SLOTS, FIELD_ROWS);
     const place = new Int32Array(vertices);
-    this.#clusters = named("TFLD", () =>
+    for (const some of members) some.forEach((v, index) => (place[v] = index));
+    const done: Decoded[] = [];
+    this.#clusters = named(tag, () =>
       members.map((some, k) => {
-        some.forEach((v, index) => (place[v] = index));
         const rank = ranks[k] ?? 0;
+        const own = functions[k] ?? new Float64Array(0);
         const tree = pairingTree(subgraph(graph, some, place, model.labels));
-        const fields = decodeFields(space, tree, rank).map((value) => value * step);
-        return { members: some, rank, fields, functions: functions[k] ?? new Float64Array(0) };
+        const rows = firstEdition ? own : inRows(own, rank);
+        const beside = firstEdition ? null : lookBeyond(graph, some, model.labels, place, done, rank, rows);
+        const fields = decodeFields(space, tree, rank, beside);
+        done.push({ rank, vertices: some.length, fields, rows });
+        return { members: some, rank, fields, functions: own };
       }),
     );
+    for (const { fields } of this.#clusters) fields.forEach((value, at) => (fields[at] = value * step));
   }
 
   /** Write the vertices of a frame of the group. */
