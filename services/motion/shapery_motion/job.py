@@ -20,7 +20,7 @@ from shapery_contracts.segmentation import StageTime
 
 
 class MotionEncodeHandler:
-    """Input ``sequence``; outputs ``motion.smc``, ``report.json``, ``rate.svg``, ``clusters.png``, ``clusters.ply``, residuals."""
+    """Input ``sequence``; outputs the motion, a report with its pictures, and residuals (`report`, `residuals`)."""
 
     kind: ClassVar[str] = "motion-encode"
 

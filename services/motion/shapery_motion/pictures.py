@@ -23,7 +23,7 @@ SAMPLES: Final = 2
 def cluster_colours(count: int) -> NDArray[np.uint8]:
     """Return a colour (count, 3) for each cluster: hues a golden ratio apart stay distinct however many there are."""
     hue = (np.arange(count)[:, None] * 0.618034 + np.array([0.0, 1 / 3, 2 / 3])) % 1.0
-    return (95 + 160 * np.abs(2.0 * hue - 1.0)).astype(np.uint8)
+    return np.asarray(95 + 160 * np.abs(2.0 * hue - 1.0), dtype=np.uint8)
 
 
 def clusters_png(vertices: FrameArray, faces: IntArray, labels: IntArray) -> bytes:
@@ -84,8 +84,8 @@ def rate_svg(points: Sequence[tuple[float, float]], chosen: float) -> str:
     width, height, left, bottom, right, top = 520, 340, 62, 48, 16, 34
     drawable = sorted((kg, bits) for kg, bits in points if kg > 0.0 and bits > 0.0)
     parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}" '
-        'font-family="sans-serif" font-size="12">',
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}">',
+        '<g font-family="sans-serif" font-size="12">',
         f'<rect width="{width}" height="{height}" fill="#ffffff"/>',
         '<text x="16" y="20" font-weight="bold">Rate and distortion</text>',
     ]
@@ -110,13 +110,15 @@ def rate_svg(points: Sequence[tuple[float, float]], chosen: float) -> str:
         for point in drawable:
             x, y = place(*point)
             here = math.isclose(point[0], chosen, rel_tol=1e-6)
-            parts.append(f'<circle cx="{x}" cy="{y}" r="{5 if here else 3}" fill="{"#d1495b" if here else "#0b7a75"}"/>')
+            parts.append(
+                f'<circle cx="{x}" cy="{y}" r="{5 if here else 3}" fill="{"#d1495b" if here else "#0b7a75"}"/>'
+            )
+    x, y = (left + width - right) / 2, (top + height - bottom) / 2
+    rate = "bits per vertex and frame"
     parts += [
-        f'<text x="{(left + width - right) / 2}" y="{height - 10}" text-anchor="middle">KG error, % '
-        "(red: this file)</text>",
-        f'<text transform="translate(16 {(top + height - bottom) / 2}) rotate(-90)" text-anchor="middle">'
-        "bits per vertex and frame</text>",
-        "</svg>",
+        f'<text x="{x}" y="{height - 10}" text-anchor="middle">KG error, % (red: this file)</text>',
+        f'<text transform="translate(16 {y}) rotate(-90)" text-anchor="middle">{rate}</text>',
+        "</g></svg>",
     ]
     return "\n".join(parts) + "\n"
 

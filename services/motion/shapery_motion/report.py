@@ -77,9 +77,7 @@ def write_report(report: MotionReport, folder: Path) -> None:
     (folder / REPORT_FILE).write_text(text + "\n", encoding="utf-8")
 
 
-def write_pictures(
-    report: MotionReport, vertices: FrameArray, faces: IntArray, labels: IntArray, folder: Path
-) -> None:
+def write_pictures(report: MotionReport, vertices: FrameArray, faces: IntArray, labels: IntArray, folder: Path) -> None:
     """Write ``clusters.png`` and ``rate.svg``."""
     (folder / "clusters.png").write_bytes(clusters_png(vertices, faces, labels))
     points = [(point.kg_percent, point.motion_bits_per_vertex_frame) for point in report.rate_distortion]

@@ -1,8 +1,8 @@
 """Residuals: what an encoding changed, vertex by vertex, so that viewers can show the original and the error.
 
-``residuals.bin.gz`` is a gzip stream: the magic ``SMR1``, frames and vertices (uint32), the step (float32), then for each
-frame and vertex three int8: the original less the decoded position, in steps. The largest error of the sequence is 127
-steps or less, so that an original is known to half a 127th of it.
+``residuals.bin.gz`` is a gzip stream: the magic ``SMR1``, frames and vertices (uint32), the step (float32), all
+little-endian, then for each frame and vertex three int8: the original less the decoded position, in steps. The largest
+error of the sequence is 127 steps, so that an original is known to half a 127th of it.
 """
 
 from __future__ import annotations

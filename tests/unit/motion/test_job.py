@@ -9,7 +9,7 @@ import subprocess
 import sys
 import zipfile
 from pathlib import Path
-from xml.etree import ElementTree
+from xml.etree import ElementTree as ET
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -84,7 +84,7 @@ def test_the_pictures_show_clusters_and_the_curve(encoded: Path) -> None:
     shades = picture[covered][:, :3] / picture[covered][:, :3].max(axis=1, keepdims=True)
     hues = np.unique(np.rint(shades * 8).astype(int), axis=0)
     assert len(hues) >= report["clusters"]
-    tree = ElementTree.parse(encoded / "rate.svg")
+    tree = ET.parse(encoded / "rate.svg")
     circles = tree.findall(".//{http://www.w3.org/2000/svg}circle")
     assert len(circles) == len(report["rate_distortion"])
     assert [circle.get("r") for circle in circles].count("5") == 1

@@ -66,9 +66,7 @@ def scale(quarters):
 
 
 @inlined
-def optimum(
-    pair, children, sizes, links, link_starts, link_weights, inner_weight, means, center, outer_weights, outer
-):
+def optimum(pair, children, sizes, links, link_starts, link_weights, inner_weight, means, center, outer_weights, outer):
     """Return the difference of the children's means at which the squared differences along edges are least."""
     a, b = children[pair, 0], children[pair, 1]
     whole = float(sizes[a] + sizes[b])

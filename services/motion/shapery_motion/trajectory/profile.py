@@ -61,7 +61,9 @@ def encode_group(task: GroupTask) -> EncodedGroup:
     least, labels = math.inf, ways[0]
     for number, way in enumerate(ways if len(ways) > 1 else ()):
         task.check_cancelled()
-        made = encode_at(prepare(trajectories, graph, way, step, cut=False), graph, step, offset=offset, sources=sources)
+        made = encode_at(
+            prepare(trajectories, graph, way, step, cut=False), graph, step, offset=offset, sources=sources
+        )
         # sizes at equal errors, as far as rates follow a power of the error
         size = made.size * (made.squared_error / target) ** SLOPE
         if size < least:

@@ -49,7 +49,9 @@ export function Chart({
         role="img"
         aria-label={`${title}: ${yLabel} up to ${format(top)}`}
       >
-        {at !== null && <line x1={px(at)} x2={px(at)} y1={0} y2={HEIGHT} className={classes.at} />}
+        {at !== null && at >= left && at <= right && (
+          <line x1={px(at)} x2={px(at)} y1={0} y2={HEIGHT} className={classes.at} />
+        )}
         <polyline points={points.map(({ x, y }) => `${px(x)},${py(y)}`).join(" ")} className={classes.line} />
         {dots &&
           points.map(({ x, y }) => <circle key={`${x} ${y}`} cx={px(x)} cy={py(y)} r={2.5} className={classes.dot} />)}

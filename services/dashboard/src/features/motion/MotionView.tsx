@@ -11,6 +11,7 @@ import { bytes, integer, significant } from "@/format/format";
 import { NoWebGL } from "@/viewers/ViewerFrame";
 import { hasWebGL } from "@/viewers/webgl";
 import { Chart } from "./Chart";
+import { EncodeAgain } from "./EncodeAgain";
 import classes from "./motion.module.css";
 import type { MotionResult } from "./result";
 
@@ -26,6 +27,7 @@ const MotionViewer = lazy(async () => ({
 /** A compressed motion: played from the file itself, with how far it is from its original. */
 export default function MotionView({ job, result, facts }: { job: Job; result: MotionResult; facts: ReactNode }) {
   const [frame, setFrame] = useState(0);
+  const [pointed, setPointed] = useState<number | null>(null);
   const artifact = (name: string) => job.artifacts.find((one) => one.name === name);
   const file = artifact(result.file);
   const reportUrl = artifact("report.json")?.url;
@@ -35,6 +37,10 @@ export default function MotionView({ job, result, facts }: { job: Job; result: M
     staleTime: Number.POSITIVE_INFINITY,
     queryFn: async ({ signal }) => (await (await apiFetch(reportUrl ?? "", { signal })).json()) as Report,
   });
+  const curve = (report.data?.rate_distortion ?? [])
+    .map((point) => ({ kg: point.kg_percent, bits: point.motion_bits_per_vertex_frame }))
+    .filter(({ kg, bits }) => kg > 0 && bits > 0)
+    .sort((one, two) => one.kg - two.kg);
   return (
     <Stack gap="md">
       {result.warnings.map((warning) => (
@@ -48,7 +54,13 @@ export default function MotionView({ job, result, facts }: { job: Job; result: M
         file && (
           <div className={classes.viewer}>
             <Suspense fallback={<Waiting label="Loading the player…" />}>
-              <MotionViewer url={file.url} size={file.size} onFrame={setFrame} />
+              <MotionViewer
+                url={file.url}
+                size={file.size}
+                residuals={artifact("residuals.bin.gz") ?? null}
+                unit={typeof job.params.unit === "string" ? job.params.unit : ""}
+                onFrame={setFrame}
+              />
             </Suspense>
           </div>
         )
@@ -69,12 +81,12 @@ export default function MotionView({ job, result, facts }: { job: Job; result: M
                 />
                 <Chart
                   title="Rate and distortion"
-                  points={report.data.rate_distortion
-                    .map((point) => ({ x: point.kg_percent, y: point.motion_bits_per_vertex_frame }))
-                    .sort((one, two) => one.x - two.x)}
+                  points={curve.map(({ kg, bits }) => ({ x: Math.log(kg), y: bits }))}
                   xLabel="KG error, %"
                   yLabel="bits per vertex and frame"
                   format={(value) => significant(value, 3)}
+                  formatX={(value) => significant(Math.exp(value), 2)}
+                  at={pointed === null ? null : Math.log(pointed)}
                   dots
                 />
               </div>
@@ -84,6 +96,13 @@ export default function MotionView({ job, result, facts }: { job: Job; result: M
         </Stack>
         <Stack gap="md">
           <Figures result={result} />
+          <EncodeAgain
+            job={job}
+            met={result.errors.kg_percent}
+            curve={curve}
+            pairs={result.vertices * result.frames}
+            onPoint={setPointed}
+          />
           {facts}
         </Stack>
       </div>

@@ -11,7 +11,12 @@ const TELLS: Record<string, string> = {
   "surfaces/microhemorrhages.ply": "The surface of all bleedings, RAS mm",
   "surface.ply": "All surfaces of the objects, RAS mm",
   "scene.glb": "All structures as one scene",
-  "report.json": "The measurements, with seeds and versions",
+  "report.json": "All measurements, with parameters and versions",
+  "motion.smc": "The motion file",
+  "clusters.ply": "The first frame, colored by cluster",
+  "clusters.png": "A picture of the clusters",
+  "rate.svg": "Rate over distortion, as a plot",
+  "residuals.bin.gz": "What the encoding changed, vertex by vertex",
 };
 
 export function Downloads({ artifacts }: { artifacts: readonly Artifact[] }) {

@@ -1,25 +1,54 @@
-import { ActionIcon, Tooltip } from "@mantine/core";
-import { Maximize, Palette } from "lucide-react";
+import { ActionIcon, SegmentedControl, Text, Tooltip } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { Maximize } from "lucide-react";
 import { useEffect, useRef, useState } from "react";
+import type { Artifact } from "@/api/types";
 import { MotionPlayer, type Opened } from "@/features/motion/player";
+import { readResiduals, type Residuals, typicalError } from "@/features/motion/residuals";
+import { significant } from "@/format/format";
 import { download } from "../download";
 import { PlayControls } from "../play/PlayControls";
 import { usePlay } from "../play/usePlay";
 import { ViewerFrame, type ViewerStatus } from "../ViewerFrame";
 import frame from "../viewers.module.css";
-import { MotionCanvas } from "./MotionCanvas";
+import classes from "./motion.module.css";
+import { ERROR_GRADIENT } from "./errorColors";
+import { type Coloring, type Difference, type Layout, MotionCanvas } from "./MotionCanvas";
 
 interface MotionViewerProps {
   url: string;
   size: number;
+  /** The file that leads back to the original, if there is one. */
+  residuals: Artifact | null;
+  /** The unit of the coordinates, as far as known. */
+  unit: string;
   /** Told of each frame as it is shown. */
   onFrame: (index: number) => void;
 }
 
 const USUAL_FPS = 25;
+/** The last color stands for so many typical errors; few vertices are farther off. */
+const MOST = 4;
+const LAYOUTS: { value: Layout; label: string }[] = [
+  { value: "decoded", label: "Decoded" },
+  { value: "original", label: "Original" },
+  { value: "beside", label: "Side by side" },
+  { value: "overlaid", label: "Overlaid" },
+];
+const COLORINGS: { value: Coloring; label: string }[] = [
+  { value: "plain", label: "Plain" },
+  { value: "clusters", label: "Clusters" },
+  { value: "error", label: "Error" },
+];
+
+function differenceOf(residuals: Residuals | null, typical: number, index: number): Difference | null {
+  if (!residuals) return null;
+  const { vertices, values, step } = residuals;
+  return { residuals: values.subarray(3 * vertices * index, 3 * vertices * (index + 1)), step, most: MOST * typical };
+}
 
 /** A compressed motion, decoded in the browser while it plays. */
-export function MotionViewer({ url, size, onFrame }: MotionViewerProps) {
+export function MotionViewer({ url, size, residuals, unit, onFrame }: MotionViewerProps) {
   const parent = useRef<HTMLDivElement>(null);
   const viewer = useRef<{ canvas: MotionCanvas; player: MotionPlayer; opened: Opened } | null>(null);
   const [status, setStatus] = useState<ViewerStatus>({ is: "loading", fraction: 0, what: "Loading the motion…" });
@@ -27,7 +56,26 @@ export function MotionViewer({ url, size, onFrame }: MotionViewerProps) {
   const [opened, setOpened] = useState<Opened | null>(null);
   const [shown, setShown] = useState(0);
   const [playing, setPlaying] = useState(false);
-  const [clusters, setClusters] = useState(false);
+  const [layout, setLayout] = useState<Layout>("decoded");
+  const [coloring, setColoring] = useState<Coloring>("plain");
+  const needed = layout !== "decoded" || coloring === "error";
+  const before = useQuery({
+    queryKey: ["residuals", residuals?.sha256],
+    enabled: residuals !== null && needed,
+    staleTime: Number.POSITIVE_INFINITY,
+    gcTime: 0,
+    retry: false,
+    queryFn: async ({ signal }) => {
+      const content = await download(residuals?.url ?? "", residuals?.size ?? 0, () => undefined, signal);
+      const found = await readResiduals(content);
+      return { residuals: found, typical: typicalError(found) };
+    },
+  });
+  const differs = useRef<{ residuals: Residuals; typical: number } | null>(null);
+  const at = useRef(0);
+  useEffect(() => {
+    at.current = shown;
+  }, [shown]);
   const tell = useRef(onFrame);
   useEffect(() => {
     tell.current = onFrame;
@@ -42,7 +90,7 @@ export function MotionViewer({ url, size, onFrame }: MotionViewerProps) {
       if (!controller.signal.aborted) setStatus({ is: "failed", error });
     };
     const player = new MotionPlayer((index, positions) => {
-      canvas?.show(positions);
+      canvas?.show(positions, differenceOf(differs.current?.residuals ?? null, differs.current?.typical ?? 0, index));
       setShown(index);
       tell.current(index);
     });
@@ -77,9 +125,24 @@ export function MotionViewer({ url, size, onFrame }: MotionViewerProps) {
   const ready = status.is === "ready";
   const count = opened?.header.frames ?? 1;
   const fps = opened?.header.fps ? opened.header.fps : USUAL_FPS;
+  // What needs the original is shown as soon as that is here.
+  const known = before.data ?? null;
+  const waits = needed && !known;
   useEffect(() => {
-    if (ready && viewer.current) viewer.current.canvas.color(clusters ? viewer.current.opened.labels : null);
-  }, [ready, clusters]);
+    const shownBy = viewer.current;
+    if (!ready || !shownBy) return;
+    differs.current = known;
+    shownBy.canvas.arrange(
+      waits ? "decoded" : layout,
+      waits && coloring === "error" ? "plain" : coloring,
+      shownBy.opened.labels,
+    );
+    shownBy.player.want(at.current);
+  }, [ready, layout, coloring, known, waits]);
+  const beside = layout === "beside";
+  useEffect(() => {
+    if (ready) viewer.current?.canvas.look();
+  }, [ready, beside]);
 
   usePlay({
     playing: playing && ready,
@@ -102,17 +165,22 @@ export function MotionViewer({ url, size, onFrame }: MotionViewerProps) {
       onRetry={() => setAttempt((before) => before + 1)}
       tools={
         <>
-          <Tooltip label="Color by cluster" openDelay={400}>
-            <ActionIcon
-              variant={clusters ? "filled" : "default"}
-              size={30}
-              aria-label="Color by cluster"
-              aria-pressed={clusters}
-              onClick={() => setClusters(!clusters)}
-            >
-              <Palette size={16} />
-            </ActionIcon>
-          </Tooltip>
+          {residuals && (
+            <SegmentedControl
+              size="xs"
+              aria-label="What is shown"
+              data={LAYOUTS}
+              value={layout}
+              onChange={(value) => setLayout(value)}
+            />
+          )}
+          <SegmentedControl
+            size="xs"
+            aria-label="Color"
+            data={residuals ? COLORINGS : COLORINGS.filter(({ value }) => value !== "error")}
+            value={coloring}
+            onChange={(value) => setColoring(value)}
+          />
           <Tooltip label="Look at all of it" openDelay={400}>
             <ActionIcon
               variant="default"
@@ -127,6 +195,33 @@ export function MotionViewer({ url, size, onFrame }: MotionViewerProps) {
       }
     >
       <div ref={parent} className={frame.stage} />
+      {ready && needed && !known && (
+        <Text className={classes.note ?? ""} size="xs" role={before.isError ? "alert" : "status"}>
+          {before.isError ? "The original could not be loaded." : "Loading the original…"}
+        </Text>
+      )}
+      {ready && !waits && beside && (
+        <div className={classes.sides} aria-hidden="true">
+          <span>Original</span>
+          <span>Decoded</span>
+        </div>
+      )}
+      {ready && !waits && layout === "overlaid" && (
+        <div className={classes.key}>
+          <i className={classes.wire} /> original, as lines
+        </div>
+      )}
+      {ready && known && coloring === "error" && (
+        <figure className={classes.legend} aria-label="Error by color">
+          <figcaption>Distance from the original{unit && `, ${unit}`}</figcaption>
+          <div className={classes.ramp} style={{ background: ERROR_GRADIENT }} />
+          <div className={classes.ends}>
+            <span>0</span>
+            <span>RMS {significant(known.typical, 2)}</span>
+            <span>≥ {significant(MOST * known.typical, 2)}</span>
+          </div>
+        </figure>
+      )}
       {ready && (
         <PlayControls
           count={count}
