@@ -137,31 +137,6 @@ def targets(params: SegmentationParams) -> list[Target]:
     return [] if box is None else [Target(box.mean(axis=0), box)]
 
 
-def check_box(box: Sequence[float] | None, volume: Volume) -> None:
-    """Refuse a box that is flat or lies outside the volume.
-
-    Raises
-    ------
-    InvalidInput
-        ``invalid_params``.
-    """
-    if box is None:
-        return
-    low, high = np.sort(np.asarray(box, dtype=np.float64).reshape(2, 3), axis=0)
-    if not np.isfinite([low, high]).all() or ((high - low) < 2.0 * min(volume.spacing)).any():
-        raise InvalidInput(
-            "invalid_params",
-            f"The box of {' × '.join(f'{e:.3g}' for e in high - low)} mm is too flat to hold an object.",
-            "A box is x0, y0, z0, x1, y1, z1 in RAS millimetres: two opposite corners.",
-        )
-    if not bool(volume.contains((low + high) / 2)):
-        raise InvalidInput(
-            "invalid_params",
-            f"The middle of the box ({', '.join(f'{c:.4g}' for c in (low + high) / 2)}) lies outside the volume.",
-            "A box is x0, y0, z0, x1, y1, z1 in RAS millimetres: two opposite corners.",
-        )
-
-
 def recover_object(
     volume: Volume,
     target: Target,

@@ -26,7 +26,6 @@ from shapery_geometry.volume import Volume
 from shapery_segmentation.brain import find_brain
 from shapery_segmentation.calibration import calibrate
 from shapery_segmentation.evolution import Frame, Scene, Show, numbered
-from shapery_segmentation.general import check_box, recover_object, targets
 from shapery_segmentation.labels import ENCLOSED, MICROHEMORRHAGE, OBJECT, VESSEL
 from shapery_segmentation.modes import choose_mode
 from shapery_segmentation.objects import Recovered, recover
@@ -34,8 +33,12 @@ from shapery_segmentation.preparation import check_overlap, check_volume
 from shapery_segmentation.registration import align
 from shapery_segmentation.report import describe, describe_surroundings, versions
 from shapery_segmentation.seeding.candidates import find_candidates
-from shapery_segmentation.seeding.points import candidates_from_points, check_points
-from shapery_segmentation.surroundings import check_vessel_seeds, find_surroundings
+from shapery_segmentation.seeding.points import (
+    candidates_from_points,
+    check_box,
+    check_points,
+    check_vessel_seeds,
+)
 
 Progress = Callable[[str, float, str], None]
 """Called with the name of a stage, the fraction of the whole work done, and a message."""
@@ -180,6 +183,9 @@ def segment(
     labels = _labels(post, found)
     around = None
     if vessels is not None:
+        # Imported here, as the general mode is: most heads come without.
+        from shapery_segmentation.surroundings import find_surroundings
+
         with run.stage("vessels"):
             around = find_surroundings(vessels, labels > 0, post, params, check_cancelled=run.check)
             warnings += around.warnings
@@ -257,6 +263,8 @@ def _tumors(
 
 def _objects(post: Volume, params: SegmentationParams, run: _Run, warnings: list[str]) -> list[Recovered]:
     """Return the object at each seed, or in the box."""
+    from shapery_segmentation.general import recover_object, targets
+
     pointed = targets(params)
     if not pointed:
         raise InvalidInput(

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shapery_contracts.errors import InvalidInput
 from shapery_contracts.segmentation import SegmentationParams
 from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.rasterize import rasterize
@@ -104,22 +103,6 @@ def find_surroundings(
         bleeding_surface=surface_of(bleedings.mask, volume.affine) if bleedings is not None and bled else None,
         warnings=tuple(warnings),
     )
-
-
-def check_vessel_seeds(params: SegmentationParams, volume: Volume | None) -> None:
-    """Refuse seeds for vessels without a volume that shows them.
-
-    Raises
-    ------
-    InvalidInput
-        ``missing_input``.
-    """
-    if params.vessel_seeds and volume is None:
-        raise InvalidInput(
-            "missing_input",
-            f"{len(params.vessel_seeds)} seeds for vessels were given, but no volume that shows vessels.",
-            "Give it as the input vessels (--vessels).",
-        )
 
 
 def _on(grid: Volume, volume: Volume, mask: BoolArray, surfaces: tuple[TriangleMesh, ...]) -> BoolArray:

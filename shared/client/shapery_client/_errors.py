@@ -13,13 +13,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from shapery_contracts.api import Problem
 from shapery_contracts.errors import ShaperyError
 
 if TYPE_CHECKING:
     import httpx
 
-    from shapery_contracts.api import JobView
+    from shapery_contracts.api import JobView, Problem
 
 
 class ApiError(ShaperyError):
@@ -42,6 +41,8 @@ class ApiError(ShaperyError):
     @classmethod
     def from_response(cls, response: httpx.Response) -> ApiError:
         """Read the problem in `response`; an answer without one (from a proxy, say) is described as it is."""
+        from shapery_contracts.api import Problem
+
         try:
             body: Any = response.json()
             return cls(Problem.model_validate(body))

@@ -6,8 +6,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from shapery_contracts.errors import InvalidInput
 
@@ -134,22 +132,18 @@ class Topology:
     @cached_property
     def nonmanifold_vertices(self) -> IntArray:
         """(k,) vertices whose faces do not form one fan: those of non-manifold edges, and where two fans touch."""
-        flat = self.faces.ravel()
+        # Imported here because the kernels bring numba, which most that is asked of a mesh does without.
+        from shapery_geometry import _topology_kernels as kernels
+
         bad = np.zeros(self.vertex_count, dtype=bool)
         bad[self.nonmanifold_edges.ravel()] = True
-        # Corners are nodes; two corners at one vertex are linked where their faces share an edge at that vertex.
-        # Then a vertex has as many fans as it has sets of linked corners.
-        count = len(flat)
-        corner = np.arange(count).reshape(-1, 3)
-        sides = self._unique[1].reshape(-1, 3)
-        vertex = np.concatenate((self.faces.ravel(), np.roll(self.faces, -1, axis=1).ravel())).astype(np.int64)
-        node = np.concatenate((corner.ravel(), np.roll(corner, -1, axis=1).ravel()))
-        key = np.concatenate((sides.ravel(), sides.ravel())) * max(self.vertex_count, 1) + vertex
-        order = np.argsort(key, kind="stable")
-        same = key[order][1:] == key[order][:-1]
-        labels = _labels(count, node[order][1:][same], node[order][:-1][same])[1]
-        fans = np.unique(np.stack((flat.astype(np.int64), labels), axis=1), axis=0)[:, 0]
-        bad |= np.bincount(fans, minlength=self.vertex_count) > 1
+        # Two corners at one vertex are linked where their faces share an edge at that vertex. Then a vertex has as many
+        # fans as it has sets of linked corners.
+        fans = np.zeros(self.vertex_count, dtype=np.int64)
+        last = np.full(len(self.edges), -1, dtype=np.int32)
+        corners = np.arange(self.faces.size, dtype=np.int32)
+        kernels.count_fans(np.ascontiguousarray(self.faces), self.face_edges, last, corners, fans)
+        bad |= fans > 1
         return np.flatnonzero(bad).astype(np.int32)
 
     @cached_property
@@ -169,8 +163,10 @@ class Topology:
 
     @cached_property
     def _components(self) -> tuple[int, IntArray]:
-        count, labels = _labels(self.vertex_count, self.edges[:, 0], self.edges[:, 1])
-        del count  # it holds unreferenced vertices as components of their own
+        from shapery_geometry import _topology_kernels as kernels
+
+        labels = np.arange(self.vertex_count, dtype=np.int32)
+        kernels.join_pairs(np.ascontiguousarray(self.edges[:, 0]), np.ascontiguousarray(self.edges[:, 1]), labels)
         result = np.full(self.vertex_count, -1, dtype=np.int32)
         if not len(self.faces):
             return 0, result
@@ -237,9 +233,3 @@ class Topology:
         starts = np.array([loop[0] for loop in self.boundary_loops], dtype=np.int64)
         loops = np.bincount(self.vertex_components[starts], minlength=self.component_count)
         return (2 - self.euler_characteristics - loops) // 2
-
-
-def _labels(count: int, a: NDArray[np.integer], b: NDArray[np.integer]) -> tuple[int, IntArray]:
-    graph = coo_array((np.ones(len(a), dtype=np.int8), (a, b)), shape=(count, count))
-    found, labels = connected_components(graph.tocsr(), directed=False)
-    return int(found), labels.astype(np.int32)

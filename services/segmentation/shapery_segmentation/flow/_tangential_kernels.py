@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from shapery_segmentation.flow._flow_kernels import sample
+from shapery_segmentation.flow._speed_kernels import sample
 from shapery_segmentation.mesh._contact_kernels import cross, dot, subtract, touching
 from shapery_segmentation.mesh.compiled import inner, kernel
 

@@ -29,10 +29,10 @@ How it ends
 -----------
 A vertex sleeps when its net way along the normal is small, wakes when its neighbours move, is stopped when it has
 changed its direction too often (S5), is interpolated between those at rest where too many oscillate (S8), and is frozen
-while another part of the surface is in its way (S4). Frozen
-vertices that guard a small feature get finer triangles; those on a thin piece that is not object collapse. Every move
-and every operation on the triangles is tested before it counts (see `shapery_segmentation.mesh`), so the surface stays
-closed, manifold, oriented, and free of self-intersections, whatever the field. It keeps the seed's genus, too, unless
+while another part of the surface is in its way (S4). Frozen vertices that guard a small feature get finer triangles;
+those on a thin piece that is not object collapse. The moves of one or two iterations are tested before they count,
+and so is every operation on the triangles (see `shapery_segmentation.mesh`), so the surface stays closed, manifold,
+oriented, and free of self-intersections, whatever the field. It keeps the seed's genus, too, unless
 ``topology="adaptive"`` lets fronts that meet inside the object merge and necks outside of it split (see
 `shapery_segmentation.flow.topology`).
 
@@ -50,7 +50,10 @@ from numpy.typing import NDArray
 from shapery_contracts.errors import InvalidInput
 from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.volume import Volume, check_affine
-from shapery_segmentation.flow import _flow_kernels as kernels
+from shapery_segmentation.flow import _repair_kernels as repair
+from shapery_segmentation.flow import _speed_kernels as speed
+from shapery_segmentation.flow import _state_kernels as states
+from shapery_segmentation.flow import _step_kernels as steps
 from shapery_segmentation.flow.edges import EdgeIndicator
 from shapery_segmentation.flow.interpolation import interpolated
 from shapery_segmentation.flow.params import FlowResult, FlowState, NormalFlowParams, StageRecord
@@ -103,6 +106,16 @@ LEAST_TRUSTED = 0.5
 NO_AGING = 1 << 30
 """Changes of direction that no vertex makes."""
 
+VERIFY_INTERVAL = 2
+"""Iterations whose moves are tested together. With more, fronts that meet run into each other, are put back far, and
+leave wide seams."""
+
+MUCH_NARROW = 0.05
+"""Share of the vertices that move near another part of the surface above which every iteration is tested by itself."""
+
+LARGEST_DRIFT = 0.3
+"""Edge lengths that faces may be from where they were sorted when obstacles are looked for."""
+
 THIN = 0.3
 """Compactness (1 for an equilateral triangle) below which a face makes its vertices irregular."""
 
@@ -135,7 +148,8 @@ def normal_flow(
     threshold
         τ to begin with, in the field's units. The gradient model does not use it.
     on_iteration
-        Called after each iteration; what it raises ends the flow and passes through.
+        Called after each iteration; what it raises ends the flow and passes through. After every second one the
+        surface that it can ask for may not have been tested yet.
 
     Returns
     -------
@@ -163,10 +177,16 @@ def normal_flow(
         raise InvalidInput(
             "invalid_volume", f"The field has the shape {field.shape}{other}: three equal sizes are due."
         )
-    evolution = _Evolution(field, allowed, check_affine(affine), seed, p, threshold)
-    for stage in range(len(p.edge_lengths)):
-        evolution.run_stage(stage, on_iteration)
-        if evolution.vanished:
+    affine = check_affine(affine)
+    # What is far from every other part of the surface is not tested against it while it moves, but in the end. Should
+    # it touch something all the same, the flow begins again, and every move is tested.
+    for thorough in (False, True):
+        evolution = _Evolution(field, allowed, affine, seed, p, threshold, thorough)
+        for stage in range(len(p.edge_lengths)):
+            evolution.run_stage(stage, on_iteration)
+            if evolution.vanished:
+                break
+        if thorough or not evolution.mesh.touches_itself():
             break
     return evolution.result()
 
@@ -182,8 +202,10 @@ class _Evolution:
         seed: TriangleMesh,
         params: NormalFlowParams,
         threshold: float,
+        thorough: bool,
     ) -> None:
         self.params = params
+        self.thorough = thorough
         self.affine = np.array(affine)
         self.inverse = np.linalg.inv(self.affine)[:3]
         self.field, self.allowed = _finite(field, allowed)
@@ -206,7 +228,11 @@ class _Evolution:
         self.vanished = False
         self.stages: list[StageRecord] = []
         self._settled_threshold = self.threshold
-        self._moved = np.zeros(0, dtype=np.int64)
+        self._batch = 0
+        """Stamp of the moves that are not verified yet; 0 if there are none."""
+        self._drift = 0.0
+        """How far in mm faces may be from where they were sorted."""
+        self._narrow = 0.0
 
     def run_stage(self, stage: int, on_iteration: Callable[[FlowState], None] | None) -> None:
         """Flow with one edge length until the surface rests."""
@@ -219,6 +245,8 @@ class _Evolution:
             awake = self._step(length)
             self.iteration += 1
             done = self.iteration - first
+            if self._narrow > MUCH_NARROW or done % VERIFY_INTERVAL == 0:
+                self._verify()
             if done % p.release_interval == 0:
                 self._release()
             if done % p.interpolation_interval == 0 and p.interpolation_share is not None:
@@ -252,7 +280,7 @@ class _Evolution:
 
     def result(self) -> FlowResult:
         """Return where the surface is."""
-        modes = self._counter[self.mesh.live, kernels.MODE]
+        modes = self._counter[self.mesh.live, states.MODE]
         mesh = self.mesh.to_triangle_mesh()
         return FlowResult(
             mesh=mesh,
@@ -260,10 +288,10 @@ class _Evolution:
             iterations=self.iteration,
             converged=self.stages[-1].converged and not self.vanished,
             vanished=self.vanished,
-            asleep=int(np.count_nonzero(modes == kernels.ASLEEP)),
-            frozen=int(np.count_nonzero(modes == kernels.FROZEN)),
-            aged=int(np.count_nonzero(modes == kernels.AGED)),
-            awake=int(np.count_nonzero(modes == kernels.AWAKE)),
+            asleep=int(np.count_nonzero(modes == states.ASLEEP)),
+            frozen=int(np.count_nonzero(modes == states.FROZEN)),
+            aged=int(np.count_nonzero(modes == states.AGED)),
+            awake=int(np.count_nonzero(modes == states.AWAKE)),
             oscillating=self._most_oscillating,
             oscillations=self._oscillations,
             interpolations=self.interpolations,
@@ -279,7 +307,7 @@ class _Evolution:
             scale = mesh.arrays.points[:, SCALE]
             np.minimum(scale * (lengths[stage - 1] / lengths[stage]), 1.0, out=scale)
         mesh.edge_length = lengths[stage]
-        halved = stage > 0 and lengths[stage - 1] >= SUBDIVIDED * lengths[stage] and mesh.subdivide()
+        halved = stage > 0 and lengths[stage - 1] >= SUBDIVIDED * lengths[stage] and mesh.subdivide(test=self.thorough)
         self._take_up(0 if halved else STAGE_ROUNDS if stage else SEED_ROUNDS)
         self._refinements = self._retreats = self._fruitless = self._changes = self._tries = 0
 
@@ -290,10 +318,11 @@ class _Evolution:
             mesh.remesh(rounds=rounds)
             mesh.compact()
         n = mesh.vertex_slots
-        self._state = np.zeros((n, kernels.STATE_COLUMNS))
-        self._state[:, kernels.GAIN] = 1.0
-        self._counter = np.zeros((n, kernels.COUNTER_COLUMNS), dtype=np.int32)
-        self._moved = np.zeros(0, dtype=np.int64)
+        self._state = np.zeros((n, states.STATE_COLUMNS))
+        self._state[:, states.GAIN] = 1.0
+        self._counter = np.zeros((n, states.COUNTER_COLUMNS), dtype=np.int32)
+        self._clear = np.zeros(n, dtype=np.int8)
+        self._target = np.zeros((0, 3))
         self._make_room()
         self._stale = True
         self._stirred = self._pinched = False
@@ -301,33 +330,45 @@ class _Evolution:
     def _step(self, length: float) -> int:
         """Move all vertices once; return how many are awake then."""
         mesh, dials = self.mesh, self._dials(length)
-        if self._stale:
-            # After a move the faces are still sorted, but for those that went back.
+        if self._stale or self._drift > LARGEST_DRIFT * length:
             mesh.sort_cells()
             self._stale = False
+            self._drift = 0.0
+        if not self._batch:
+            self._batch = mesh.next_batch()
+            mesh.room_for_moves().counts[:] = 0
         field, inverse = self.field, self.inverse
         if self.edges is not None:
             self.edges.follow(mesh.arrays.points[mesh.live, :3])
             field, inverse = self.edges.values, self.edges.inverse
-        count = kernels.propose(
-            mesh.arrays, *mesh.cells, self._state, self._counter, field, inverse, self.allowed, self.inverse, dials,
-            self._target, self._movers,
+        awake, self.oscillating, way, self._narrow = steps.step(
+            mesh.arrays, *mesh.cells, mesh.moves, self._batch, mesh.next_batch(), self._state, self._counter,
+            self._clear, field, inverse, self.allowed, self.inverse, dials, self._target, self._movers,
         )  # fmt: skip
-        movers = self._movers[:count]
-        batch = mesh.next_batch()
-        motion.move_vertices(mesh.arrays, *mesh.cells, movers, self._target, self._old, self._moved, batch)
-        awake, self.oscillating = kernels.settle(
-            mesh.arrays, self._state, self._counter, self._moved, batch, movers, dials
-        )
+        self._drift += way
         self._most_oscillating = max(self._most_oscillating, self.oscillating)
         self._oscillations += self.oscillating
         return int(awake)
 
+    def _verify(self) -> None:
+        """Test what moved since the last time, and put back what must not count."""
+        if not self._batch:
+            return
+        mesh, batch = self.mesh, self._batch
+        self._batch = 0
+        clear = mesh.moves.none if self.thorough else self._clear
+        back = motion.verify(mesh.arrays, *mesh.cells, mesh.moves, batch, clear)
+        dials = self._dials(mesh.edge_length)
+        steps.take_back(mesh.moves, batch, back, self._state, self._counter, self._clear, dials)
+        self._stale = self._stale or back > 0
+        self._drift = 0.0
+
     def _remesh(self, length: float) -> None:
         """Answer what blocked vertices wish for, mend the triangles around what moves, and see what is left."""
+        self._verify()
         mesh = self.mesh
-        active = (self._counter[:, kernels.MODE] == kernels.AWAKE).astype(np.int8)
-        refined, collapsing, pinched = kernels.answer_wishes(
+        active = (self._counter[:, states.MODE] == states.AWAKE).astype(np.int8)
+        refined, collapsing, pinched = repair.answer_wishes(
             mesh.arrays,
             self._state,
             self._counter,
@@ -342,13 +383,13 @@ class _Evolution:
         adaptive = self.params.topology == "adaptive" and self._changes < LARGEST_RECONNECTIONS
         self._pinched = adaptive and (self._pinched or pinched > 0)
         if refined:
-            np.maximum(active, self._counter[:, kernels.MODE] == kernels.AWAKE, out=active)
+            np.maximum(active, self._counter[:, states.MODE] == states.AWAKE, out=active)
         mesh.remesh(active, unwanted=self._collapse if collapsing else None)
         # What gets finer triangles is awake, and counted; what retreats may not be.
         self._fruitless = 0 if mesh.vertex_count < before else self._fruitless + (collapsing > 0)
         self._stirred = collapsing > 0 and self._fruitless < LARGEST_FRUITLESS
         self._make_room()
-        kernels.adopt_touched(mesh.arrays, self._state, self._counter)
+        states.adopt_touched(mesh.arrays, self._state, self._counter, self._clear)
         self._stale = True
         self.vanished = mesh.volume < NOTHING_LEFT * length**3
         if self.parts > 1 and not self.vanished:
@@ -365,6 +406,7 @@ class _Evolution:
 
     def _reconnect(self, length: float) -> bool:
         """Change the topology where the surface meets itself; return whether there was something to change."""
+        self._verify()
         self._pinched = False
         surface = reconnected(self.mesh.to_triangle_mesh(), self._object_on, length)
         if surface is None:
@@ -390,14 +432,18 @@ class _Evolution:
 
     def _release(self) -> None:
         """Smooth the vertices of thin triangles, which would keep the flow from converging."""
-        mesh = self.mesh
-        count = kernels.irregular_vertices(mesh.arrays, self._counter, THIN, self._target, self._movers)
+        self._verify()
+        count = repair.irregular_vertices(self.mesh.arrays, self._counter, THIN, self._target, self._movers)
         if count:
-            movers = self._movers[:count]
-            motion.move_vertices(
-                mesh.arrays, *mesh.room_for_cells(), movers, self._target, self._old, self._moved, mesh.next_batch()
-            )
-            self._stale = True
+            self._move(self._movers[:count])
+
+    def _move(self, movers: NDArray[np.int32]) -> None:
+        """Move vertices to their targets, where that is possible."""
+        mesh = self.mesh
+        motion.move_vertices(
+            mesh.arrays, *mesh.room_for_cells(), movers, self._target, mesh.room_for_moves(), mesh.next_batch()
+        )
+        self._stale = True
 
     def _interpolate(self, share: float, length: float) -> None:
         """Put the vertices that are not at rest between those that are, if too many of them oscillate (S8).
@@ -407,36 +453,34 @@ class _Evolution:
         mesh = self.mesh
         if self.oscillating <= share * mesh.vertex_count or self._tries == LARGEST_INTERPOLATIONS:
             return
+        self._verify()
         live, faces = mesh.live_faces()
         counter = self._counter[live]
-        restless = counter[:, kernels.MODE] == kernels.AWAKE
+        restless = counter[:, states.MODE] == states.AWAKE
         if 1.0 - restless.mean() < LEAST_TRUSTED:
             return
         self._tries += 1
         self.interpolations += 1
-        oscillating = restless & (counter[:, kernels.FLIPS] >= kernels.OSCILLATING)
+        oscillating = restless & (counter[:, states.FLIPS] >= states.OSCILLATING)
         strength = np.zeros(len(live))
         half = 0.5 * length
-        kernels.steepest_points(mesh.arrays, self.field, self.inverse, live, half, 0.0, self._target, strength)
+        repair.steepest_points(mesh.arrays, self.field, self.inverse, live, half, 0.0, self._target, strength)
         weight = strength / max(float(strength[~restless].max()), 1e-30)
         places = interpolated(mesh.arrays.points[live, :3], faces, ~restless, weight)
         way = places - mesh.arrays.points[live, :3]
         far = np.linalg.norm(way, axis=1, keepdims=True)
         self._target[live] = mesh.arrays.points[live, :3] + way * np.minimum(1.0, length / np.maximum(far, 1e-30))
 
-        stopped = live[oscillating & (counter[:, kernels.TRIES] > 0)]
-        kernels.steepest_points(
+        stopped = live[oscillating & (counter[:, states.TRIES] > 0)]
+        repair.steepest_points(
             mesh.arrays, self.field, self.inverse, stopped, half, length, self._target, np.zeros(len(stopped))
         )
-        self._counter[live[oscillating], kernels.TRIES] += 1
+        self._counter[live[oscillating], states.TRIES] += 1
         movers = live[restless]
-        motion.move_vertices(
-            mesh.arrays, *mesh.room_for_cells(), movers, self._target, self._old, self._moved, mesh.next_batch()
-        )
-        self._counter[movers[:, None], (kernels.FLIPS, kernels.SIGN, kernels.AGE)] = 0
-        self._state[movers, kernels.NET] = 0.0
-        self._counter[stopped, kernels.MODE] = kernels.AGED
-        self._stale = True
+        self._move(movers)
+        self._counter[movers[:, None], (states.FLIPS, states.SIGN, states.AGE)] = 0
+        self._state[movers, states.NET] = 0.0
+        self._counter[stopped, states.MODE] = states.AGED
 
     def _update_threshold(self) -> None:
         """Let the threshold follow what is inside, and wake all where it changed by more than a little."""
@@ -449,13 +493,13 @@ class _Evolution:
         self.threshold = float(np.clip(p.threshold_share * inside, *p.threshold_range))
         if abs(self.threshold - self._settled_threshold) > STILL:
             self._settled_threshold = self.threshold
-            kernels.wake_all(self.mesh.arrays, self._state, self._counter)
+            states.wake_all(self.mesh.arrays, self._state, self._counter)
             self._stirred = True
 
-    def _dials(self, length: float) -> kernels.Dials:
+    def _dials(self, length: float) -> speed.Dials:
         p = self.params
-        return kernels.Dials(
-            model=kernels.THRESHOLD if p.model == "threshold" else kernels.GRADIENT,
+        return speed.Dials(
+            model=speed.THRESHOLD if p.model == "threshold" else speed.GRADIENT,
             threshold=self.threshold,
             balloon=float(p.balloon),
             length=float(length),
@@ -479,14 +523,11 @@ class _Evolution:
         """Give every vertex slot its row, after the mesh has grown."""
         n, had = self.mesh.vertex_slots, len(self._state)
         if n > had:
-            self._state = np.concatenate((self._state, np.zeros((n - had, kernels.STATE_COLUMNS))))
-            self._counter = np.concatenate(
-                (self._counter, np.zeros((n - had, kernels.COUNTER_COLUMNS), dtype=np.int32))
-            )
-        if len(self._moved) != n:
+            self._state = np.concatenate((self._state, np.zeros((n - had, states.STATE_COLUMNS))))
+            self._counter = np.concatenate((self._counter, np.zeros((n - had, states.COUNTER_COLUMNS), dtype=np.int32)))
+            self._clear = np.concatenate((self._clear, np.zeros(n - had, dtype=np.int8)))
+        if len(self._target) != n:
             self._target = np.zeros((n, 3))
-            self._old = np.zeros((n, 3))
-            self._moved = np.zeros(n, dtype=np.int64)
             self._movers = np.zeros(n, dtype=np.int32)
             self._collapse = np.zeros(n, dtype=np.int8)
 

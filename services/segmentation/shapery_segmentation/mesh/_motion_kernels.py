@@ -1,4 +1,4 @@
-"""Moving many vertices at once, with a check of everything that moved and rollback where something would touch.
+"""Moving many vertices, with a check of everything that moved and rollback where something would touch.
 
 Two faces that share a vertex are checked through the star of that vertex, all others pair by pair.
 """
@@ -9,9 +9,23 @@ import numpy as np
 
 from shapery_segmentation.mesh._cells_kernels import gather, sort_faces
 from shapery_segmentation.mesh._contact_kernels import cross, dot, subtract, touching
-from shapery_segmentation.mesh._grid_kernels import corners, measure_face, normal, point
+from shapery_segmentation.mesh._grid_kernels import SINGLE, corners, measure_face, normal, point
 from shapery_segmentation.mesh._operation_kernels import compactness, following, origin, preceding, twin
-from shapery_segmentation.mesh.arrays import AREA, CLEARANCE, FACE_TOP, NORMAL, ORIGIN, OUT, STAMP
+from shapery_segmentation.mesh.arrays import (
+    AREA,
+    CLEARANCE,
+    FACE_COUNT,
+    FACE_TOP,
+    INVERSE_CELL,
+    LARGEST_RADIUS,
+    MASK,
+    NORMAL,
+    ORIGIN,
+    OUT,
+    SHIFT,
+    STAMP,
+    VERTEX_TOP,
+)
 from shapery_segmentation.mesh.compiled import inlined, inner, kernel
 
 LEAST_TURN = 0.2
@@ -163,77 +177,65 @@ def _mend_star(m, v, batch, state, old, queue, size):
             return size
 
 
-@kernel
-def move_vertices(m, start, spheres, names, movers, target, old, state, batch):
-    """Move vertices to their targets, except where a face would turn over, degenerate or touch another.
-
-    Parameters
-    ----------
-    m : MeshArrays
-    start, spheres, names
-        Room for `sort_into_cells`; afterwards faces may have left the spheres noted here by the longest way back.
-    movers : (n,) int32
-        The vertices to move, each once.
-    target : (V, 3) float64
-        Where to; rounded to float32 values.
-    old : (V, 3) float64
-        Receives the positions before, for the movers.
-    state : (V,) int64
-        Is `batch` for those that moved, and −`batch` for those that were put back.
-    batch : int
-        A positive stamp that no face and no vertex carries yet.
-
-    Returns
-    -------
-    int
-        Movers that were put back.
-
-    Notes
-    -----
-    All vertices move first. Then every star and every face that changed is tested; where two faces touch, the movers of
-    both go back, and what is around these is tested again, until nothing touches. Vertices only ever go back, so this
-    ends, in the worst case in the state before the call, which was free of contacts.
-    """
-    n = movers.shape[0]
-    slack = 0.0
-    for i in range(n):
-        v = movers[i]
-        state[v] = batch
-        way = 0.0
+@inner
+def displace(m, moves, v, target, batch):
+    """Move vertex `v` to row `v` of `target`, rounded to float32 values, and note where it was when `batch` began."""
+    if moves.state[v] != batch:
+        moves.state[v] = batch
         for axis in range(3):
-            old[v, axis] = m.points[v, axis]
-            m.points[v, axis] = np.float64(np.float32(target[v, axis]))
-            way += (m.points[v, axis] - old[v, axis]) ** 2
-        slack = max(slack, way)
-    slack = np.sqrt(slack)
-    faces = np.empty(m.links.shape[0], dtype=np.int32)
-    found = np.empty(m.links.shape[0], dtype=np.int32)
-    count = 0
+            moves.old[v, axis] = m.points[v, axis]
+        moves.movers[moves.counts[0]] = v
+        moves.counts[0] += 1
+    for axis in range(3):
+        m.points[v, axis] = np.float64(np.float32(target[v, axis]))
+
+
+@inner
+def measure_displaced(m, moves, movers, n, batch, tick):
+    """Measure the faces of the first `n` vertices in `movers`, and note how those looked that had not moved before.
+
+    `tick` is a positive stamp that tells this call from those before.
+    """
     for i in range(n):
         first = np.int64(m.vertices[movers[i], OUT])
         h = first
         while True:
             f = h // 3
-            if m.links[f, STAMP] != batch:
-                m.links[f, STAMP] = batch
-                faces[count] = f
-                count += 1
-                for axis in range(4):
-                    m.former[f, axis] = m.facets[f, NORMAL + axis]
+            if moves.measured[f] != tick:
+                moves.measured[f] = tick
+                if m.links[f, STAMP] != batch:
+                    m.links[f, STAMP] = batch
+                    moves.faces[moves.counts[1]] = f
+                    moves.counts[1] += 1
+                    for axis in range(4):
+                        m.former[f, axis] = m.facets[f, NORMAL + axis]
                 measure_face(m, f)
             h = twin(m, preceding(h))
             if h == first:
                 break
 
+
+@inner
+def _verify(m, start, spheres, names, moves, batch, clear):
+    """Do what `verify` says."""
+    slack = 0.0
+    for i in range(moves.counts[0]):
+        v = moves.movers[i]
+        way = 0.0
+        for axis in range(3):
+            way += (m.points[v, axis] - moves.old[v, axis]) ** 2
+        slack = max(slack, way)
+    slack = np.sqrt(slack)
     sort_faces(m, start, spheres, names)
 
-    queue = np.empty(n, dtype=np.int32)
+    state, old, queue, found = moves.state, moves.old, moves.queue, moves.found
+    count = moves.counts[1]
     size = 0
     for i in range(count):
-        f = np.int64(faces[i])
+        f = np.int64(moves.faces[i])
         if _spoiled(m, f):
             size = _put_back(m, f, batch, state, old, queue, size)
-        else:
+        elif not _is_clear(m, f, clear):
             # Faces that have been put back are elsewhere than they were sorted; until then nothing is.
             g = _contact(m, start, spheres, names, f, slack if size > 0 else 0.0, batch, found)
             if g >= 0:
@@ -242,7 +244,7 @@ def move_vertices(m, start, spheres, names, movers, target, old, state, batch):
     for i in range(count):
         # Each changed star is met from the half-edges that leave its centre; one of them is the one noted for it.
         for k in range(3):
-            h = 3 * np.int64(faces[i]) + k
+            h = 3 * np.int64(moves.faces[i]) + k
             v = origin(m, h)
             first = np.int64(m.vertices[v, OUT])
             if h == first or (m.links[first // 3, STAMP] != batch and _first_stamped(m, first, batch) == h):
@@ -270,6 +272,75 @@ def move_vertices(m, start, spheres, names, movers, target, old, state, batch):
     return size
 
 
+@kernel
+def verify(m, start, spheres, names, moves, batch, clear):
+    """Test all that moved since `batch` began; put back what turned over, degenerated or touches another face.
+
+    Parameters
+    ----------
+    m : MeshArrays
+    start, spheres, names
+        Room for `sort_into_cells`; afterwards faces may have left the spheres noted here by the longest way back.
+    moves : Moves
+    batch : int
+        The stamp of what moved. Afterwards ``moves.state`` of the vertices that were put back is −`batch`.
+    clear : (V,) int8
+        Faces whose vertices all have 1 here are not tested against faces that they share no vertex with; empty: none.
+
+    Returns
+    -------
+    int
+        How many were put back; ``moves.queue`` names them.
+
+    Notes
+    -----
+    Every star and every face that changed is tested; where two faces touch, the movers of both go back to where they
+    were when `batch` began, and what is around these is tested again, until nothing touches. Vertices only ever go
+    back, so this ends, in the worst case in the state at the beginning, which was free of contacts. What lies between
+    does not matter: any number of moves can be verified at once.
+    """
+    return _verify(m, start, spheres, names, moves, batch, clear)
+
+
+@kernel
+def move_vertices(m, start, spheres, names, movers, target, moves, batch):
+    """Move vertices to their targets, except where a face would turn over, degenerate or touch another.
+
+    Parameters
+    ----------
+    m : MeshArrays
+    start, spheres, names
+        As in `verify`.
+    movers : (n,) int32
+        The vertices to move, each once.
+    target : (V, 3) float64
+        Where to; rounded to float32 values.
+    moves : Moves
+        Of which nothing is left to be verified.
+    batch : int
+        A positive stamp that no face and no vertex carries yet.
+
+    Returns
+    -------
+    int
+        Movers that were put back; ``moves.state`` is `batch` for those that moved.
+    """
+    moves.counts[:] = 0
+    for i in range(movers.shape[0]):
+        displace(m, moves, movers[i], target, batch)
+    measure_displaced(m, moves, movers, movers.shape[0], batch, batch)
+    return _verify(m, start, spheres, names, moves, batch, moves.none)
+
+
+@inner
+def _is_clear(m, f, clear):
+    """Return whether all vertices of face `f` are clear."""
+    if clear.shape[0] == 0:
+        return False
+    i, j, k = corners(m, f)
+    return clear[i] == 1 and clear[j] == 1 and clear[k] == 1
+
+
 @inner
 def _first_stamped(m, first, batch):
     """Return the first half-edge, around the vertex at which `first` starts, of a face with the stamp."""
@@ -279,6 +350,81 @@ def _first_stamped(m, first, batch):
         if h == first:
             break
     return h
+
+
+@inner
+def _touches_later(m, start, spheres, names, at, gap):
+    """Return whether the face at place `at` of `names` touches one at a later place that it shares no vertex with."""
+    f = np.int64(names[at])
+    i0, i1, i2 = corners(m, f)
+    own = normal(m, f)
+    px, py, pz, radius = spheres[at, 0], spheres[at, 1], spheres[at, 2], spheres[at, 3] + np.float32(gap)
+    inverse = m.bound[INVERSE_CELL]
+    reach = np.float64(radius) + m.bound[LARGEST_RADIUS] + SINGLE * (abs(px) + abs(py) + abs(pz))
+    mx, my, mz = m.layout[MASK], m.layout[MASK + 1], m.layout[MASK + 2]
+    x0, x1 = np.int64(np.floor((px - reach) * inverse)), np.int64(np.floor((px + reach) * inverse))
+    y0, y1 = np.int64(np.floor((py - reach) * inverse)), np.int64(np.floor((py + reach) * inverse))
+    z0, z1 = np.int64(np.floor((pz - reach) * inverse)), np.int64(np.floor((pz + reach) * inverse))
+    # Where the reach exceeds the period, every cell is visited once.
+    x1, y1, z1 = min(x1, x0 + mx), min(y1, y0 + my), min(z1, z0 + mz)
+    first = z0 & mz
+    last = first + (z1 - z0)
+    for x in range(x0, x1 + 1):
+        for y in range(y0, y1 + 1):
+            row = ((x & mx) << m.layout[SHIFT]) | ((y & my) << m.layout[SHIFT + 1])
+            if start[row + mz + 1] <= at:
+                continue
+            for part in range(2):
+                if part == 0:
+                    a, b = start[row + first], start[row + min(last, mz) + 1]
+                elif last > mz:
+                    a, b = start[row], start[row + (last & mz) + 1]
+                else:
+                    break
+                for i in range(max(a, at + 1), b):
+                    dx, dy, dz = spheres[i, 0] - px, spheres[i, 1] - py, spheres[i, 2] - pz
+                    near = radius + spheres[i, 3]
+                    if dx * dx + dy * dy + dz * dz > near * near:
+                        continue
+                    g = np.int64(names[i])
+                    j0, j1, j2 = corners(m, g)
+                    if i0 in (j0, j1, j2) or i1 in (j0, j1, j2) or i2 in (j0, j1, j2):
+                        continue
+                    if _beyond_plane(m.points, own, i0, j0, j1, j2, gap):
+                        continue
+                    if not _beyond_plane(m.points, normal(m, g), j0, i0, i1, i2, gap) and faces_touch(m, f, g):
+                        return True
+    return False
+
+
+@kernel
+def has_contacts(m, start, spheres, names):
+    """Return whether any two faces have more in common than they share.
+
+    Parameters
+    ----------
+    m, start, spheres, names
+        Mesh and its faces sorted by cell.
+    """
+    gap = m.bound[CLEARANCE]
+    for at in range(m.layout[FACE_COUNT]):
+        if _touches_later(m, start, spheres, names, at, gap):
+            return True
+    for v in range(m.layout[VERTEX_TOP]):
+        if m.vertices[v, OUT] < 0 or _is_graph(m, v):
+            continue
+        first = np.int64(m.vertices[v, OUT])
+        h = first
+        while True:
+            k = twin(m, preceding(h))
+            while k != first:
+                if faces_touch(m, h // 3, k // 3):
+                    return True
+                k = twin(m, preceding(k))
+            h = twin(m, preceding(h))
+            if h == first:
+                break
+    return False
 
 
 @kernel

@@ -113,6 +113,53 @@ class MeshArrays(NamedTuple):
     patch_ids: Array
 
 
+class Moves(NamedTuple):
+    """What moved since the surface was last verified, and room for the verification.
+
+    Attributes
+    ----------
+    old : (V, 3) float64
+        Where those vertices were.
+    state : (V,) int64
+        The batch in which a vertex last moved; minus that where it was put back.
+    movers, queue : (V,) int32
+        The vertices that moved; those that were put back.
+    faces, found : (F,) int32
+        The faces that changed; room for a search.
+    measured : (F,) int64
+        When a face was last measured.
+    counts : (2,) int64
+        Entries of `movers` and `faces`.
+    none : (0,) int8
+        No vertices.
+    """
+
+    old: Array
+    state: Array
+    movers: Array
+    queue: Array
+    faces: Array
+    found: Array
+    measured: Array
+    counts: Array
+    none: Array
+
+
+def room_for_moves(vertex_slots: int, face_slots: int) -> Moves:
+    """Return arrays in which nothing has moved."""
+    return Moves(
+        old=np.zeros((vertex_slots, 3)),
+        state=np.zeros(vertex_slots, dtype=np.int64),
+        movers=np.zeros(vertex_slots, dtype=np.int32),
+        queue=np.zeros(vertex_slots, dtype=np.int32),
+        faces=np.zeros(face_slots, dtype=np.int32),
+        found=np.zeros(face_slots, dtype=np.int32),
+        measured=np.zeros(face_slots, dtype=np.int64),
+        counts=np.zeros(2, dtype=np.int64),
+        none=np.zeros(0, dtype=np.int8),
+    )
+
+
 def allocate(vertex_slots: int, face_slots: int) -> MeshArrays:
     """Return empty arrays; the grid gets its cells when it is built."""
     record = np.zeros((face_slots, RECORD), dtype=np.float32)

@@ -31,8 +31,10 @@ from shapery_segmentation.mesh.arrays import (
     VERTEX_COUNT,
     VERTEX_TOP,
     MeshArrays,
+    Moves,
     allocate,
     grown,
+    room_for_moves,
 )
 
 SPLIT_RATIO = 1.4
@@ -117,6 +119,7 @@ class DynamicMesh:
         self.edge_length = float(edge_length)
         self.mean_edge = self.edge_length
         self.cells: Cells = (np.zeros(0, np.int32), np.zeros((0, 4), np.float32), np.zeros(0, np.int32))
+        self.moves = room_for_moves(0, 0)
         self._batch = 0
         used = np.unique(surface.faces)
         number = np.zeros(len(surface.vertices), dtype=np.int32)
@@ -125,11 +128,10 @@ class DynamicMesh:
         points[:, :3] = surface.vertices[used].astype(np.float32)
         self._take(points, number[surface.faces])
         self.arrays.bound[CLEARANCE] = max(CLEARANCE_SHARE * edge_length, LEAST_CLEARANCE)
-        touching = self.contacts()
-        if touching:
+        if self.touches_itself():
             raise InvalidInput(
                 "invalid_mesh",
-                f"{touching} of the {len(surface.faces)} faces of the surface to start from touch others.",
+                f"{self.contacts()} of the {len(surface.faces)} faces of the surface to start from touch others.",
                 "Start from a surface without self-intersections.",
             )
 
@@ -173,13 +175,18 @@ class DynamicMesh:
         self._take(self.arrays.points[live], faces)
         self.arrays.bound[CLEARANCE] = clearance
 
-    def subdivide(self) -> bool:
+    def subdivide(self, *, test: bool = True) -> bool:
         """Cut every face into four at the middles of its edges, which halves the edges and leaves the surface as it is.
+
+        Parameters
+        ----------
+        test
+            Whether to make sure that rounding brings no faces too near to each other.
 
         Returns
         -------
         bool
-            Whether that was done; not where rounding brings faces too near to each other.
+            Whether that was done; not where that test fails.
         """
         before, clearance = self.arrays, self.arrays.bound[CLEARANCE]
         live, faces = self.live_faces()
@@ -196,7 +203,7 @@ class DynamicMesh:
         quarters = np.concatenate([np.stack(t, axis=1) for t in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])
         self._take(np.concatenate((points, middles)), quarters)
         self.arrays.bound[CLEARANCE] = clearance
-        if self.contacts():
+        if test and self.touches_itself():
             self.arrays = before
             self.size_grid()
             return False
@@ -240,8 +247,13 @@ class DynamicMesh:
         corners = self.arrays.half_edges[: 3 * self.arrays.layout[FACE_TOP], ORIGIN].reshape(-1, 3)
         return live, number[corners[corners[:, 0] >= 0]]
 
+    def touches_itself(self) -> bool:
+        """Return whether any faces touch others than their neighbours, or neighbours more than they should."""
+        self.sort_cells()
+        return bool(motion.has_contacts(self.arrays, *self.cells))
+
     def contacts(self) -> int:
-        """Return the number of faces that touch others than their neighbours: 0, or something here is broken."""
+        """Return the number of faces that touch others with a higher number, by the plain test of every near pair."""
         self.sort_cells()
         return int(motion.count_contacts(self.arrays, *self.cells))
 
@@ -339,18 +351,16 @@ class DynamicMesh:
         """
         places = np.zeros((self.vertex_slots, 3))
         places[movers] = target
-        state = np.zeros(self.vertex_slots, dtype=np.int64)
+        movers = np.asarray(movers, dtype=np.int32)
         batch = self.next_batch()
-        motion.move_vertices(
-            self.arrays,
-            *self.room_for_cells(),
-            np.asarray(movers, dtype=np.int32),
-            places,
-            np.empty_like(places),
-            state,
-            batch,
-        )
-        return np.asarray(state[movers] == batch)
+        motion.move_vertices(self.arrays, *self.room_for_cells(), movers, places, self.room_for_moves(), batch)
+        return np.asarray(self.moves.state[movers] == batch)
+
+    def room_for_moves(self) -> Moves:
+        """Return `moves`, made anew if the arrays have changed their size."""
+        if len(self.moves.state) != self.vertex_slots or len(self.moves.faces) != len(self.arrays.links):
+            self.moves = room_for_moves(self.vertex_slots, len(self.arrays.links))
+        return self.moves
 
     def next_batch(self) -> int:
         """Return a stamp that no face carries."""

@@ -1,4 +1,4 @@
-"""Candidates from points that the user gave."""
+"""What the user points with: refused where it points at nothing, and candidates from points."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapery_contracts.errors import InvalidInput
+from shapery_contracts.segmentation import SegmentationParams
 from shapery_geometry.volume import Volume
 from shapery_segmentation.brain import Brain
 from shapery_segmentation.calibration import Calibration
@@ -106,3 +107,44 @@ def candidates_from_points(
 
 def _shown(point: Sequence[float]) -> str:
     return ", ".join(f"{x:g}" for x in point)
+
+
+def check_box(box: Sequence[float] | None, volume: Volume) -> None:
+    """Refuse a box that is flat or lies outside the volume.
+
+    Raises
+    ------
+    InvalidInput
+        ``invalid_params``.
+    """
+    if box is None:
+        return
+    low, high = np.sort(np.asarray(box, dtype=np.float64).reshape(2, 3), axis=0)
+    if not np.isfinite([low, high]).all() or ((high - low) < 2.0 * min(volume.spacing)).any():
+        raise InvalidInput(
+            "invalid_params",
+            f"The box of {' × '.join(f'{e:.3g}' for e in high - low)} mm is too flat to hold an object.",
+            "A box is x0, y0, z0, x1, y1, z1 in RAS millimetres: two opposite corners.",
+        )
+    if not bool(volume.contains((low + high) / 2)):
+        raise InvalidInput(
+            "invalid_params",
+            f"The middle of the box ({', '.join(f'{c:.4g}' for c in (low + high) / 2)}) lies outside the volume.",
+            "A box is x0, y0, z0, x1, y1, z1 in RAS millimetres: two opposite corners.",
+        )
+
+
+def check_vessel_seeds(params: SegmentationParams, volume: Volume | None) -> None:
+    """Refuse seeds for vessels without a volume that shows them.
+
+    Raises
+    ------
+    InvalidInput
+        ``missing_input``.
+    """
+    if params.vessel_seeds and volume is None:
+        raise InvalidInput(
+            "missing_input",
+            f"{len(params.vessel_seeds)} seeds for vessels were given, but no volume that shows vessels.",
+            "Give it as the input vessels (--vessels).",
+        )

@@ -5,11 +5,14 @@ from __future__ import annotations
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 from shapery_client._errors import ApiError, ConnectionFailed
-from shapery_client._sdk import Client
 from shapery_client.cli._output import StageBar, stage_bar
-from shapery_contracts.api import JobView
+
+if TYPE_CHECKING:
+    from shapery_client._sdk import Client
+    from shapery_contracts.api import JobView
 
 LOOK_EVERY = 10.0
 """Seconds between two looks whether the kind has a worker; a platform that has just started gets its workers sooner."""

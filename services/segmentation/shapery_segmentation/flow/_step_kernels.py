@@ -1,0 +1,350 @@
+"""One step of the normal flow: speeds at the vertices, obstacles ahead, oscillation and aging, sleep."""
+
+# mypy: allow-untyped-defs, allow-untyped-calls
+
+import numpy as np
+
+from shapery_segmentation.flow._speed_kernels import GRADIENT, sample, speed_at
+from shapery_segmentation.flow._state_kernels import (
+    AGE,
+    AGED,
+    ASLEEP,
+    AWAKE,
+    BLOCKED,
+    COLLAPSE,
+    FLIPS,
+    FROZEN,
+    GAIN,
+    LAST,
+    MEET,
+    MODE,
+    NET,
+    OSCILLATING,
+    REFINE,
+    RETURNS,
+    SEEN,
+    SIGN,
+    STEP,
+    WISH,
+    wake,
+)
+from shapery_segmentation.mesh._cells_kernels import gather
+from shapery_segmentation.mesh._contact_kernels import dot, subtract
+from shapery_segmentation.mesh._grid_kernels import corners, normal, point
+from shapery_segmentation.mesh._motion_kernels import displace, measure_displaced
+from shapery_segmentation.mesh._operation_kernels import following, origin, preceding, twin
+from shapery_segmentation.mesh.arrays import AREA, OUT, SCALE, VERTEX_TOP
+from shapery_segmentation.mesh.compiled import inner, kernel
+
+# Sides of an obstacle.
+NOWHERE = 0
+AHEAD = 1
+BEHIND = 2
+
+STEADY = 4
+"""Steps without a change of direction after which the changes before no longer count as consecutive."""
+
+LARGEST_STEP = 0.5
+"""Edge lengths that a vertex moves along its normal at the most."""
+
+FARTHER = 0.6
+"""Edge lengths beyond the gap that fronts keep in which obstacles are looked for: where there are none, none is looked
+for until the vertex has moved half of that, and whoever comes from beyond looks for itself."""
+
+WARY = 0.15
+"""What a product of normals may change until then."""
+
+SAMPLES = 4
+"""Points at which the speed is looked at on the way back to the previous position, when a vertex is stopped."""
+
+
+@inner
+def surround(m, v):
+    """Return the unit normal at `v` (its faces weighted by area), the way to the mean of its neighbours, and 1 or 0."""
+    nx = ny = nz = 0.0
+    ux = uy = uz = 0.0
+    degree = 0
+    first = np.int64(m.vertices[v, OUT])
+    h = first
+    while True:
+        f = h // 3
+        w = np.float64(m.facets[f, AREA])
+        a = normal(m, f)
+        nx += w * a[0]
+        ny += w * a[1]
+        nz += w * a[2]
+        q = point(m, origin(m, following(h)))
+        ux += q[0]
+        uy += q[1]
+        uz += q[2]
+        degree += 1
+        h = twin(m, preceding(h))
+        if h == first:
+            break
+    size = np.sqrt(nx * nx + ny * ny + nz * nz)
+    inverse = 1.0 / size if size > 0.0 else 0.0
+    here = point(m, v)
+    mean = (ux / degree, uy / degree, uz / degree)
+    return (nx * inverse, ny * inverse, nz * inverse), subtract(mean, here), size > 0.0
+
+
+@inner
+def _obstacle(m, start, spheres, names, v, p, n, here, front, rear, farther, opposed, rear_opposed, found):
+    """Return where another part of the surface is near the point `p` to which `v` would move, and its face.
+
+    The third that is returned tells whether none could be there soon.
+
+    A face counts if it is no face of `v`, the way brings `v` nearer to its centroid, and that lies ahead of `p` within
+    `front`, the product of the normals below `opposed`, or behind it within `rear`, the product below `rear_opposed`.
+    None could be soon where within `farther` beyond that nothing is turned nearly as much.
+    """
+    count = gather(m.layout, m.bound, start, spheres, names, p, max(front, rear) + farther, 0.0, found)
+    limit = max(opposed, rear_opposed)
+    clear = True
+    for i in range(count):
+        g = np.int64(found[i])
+        turn = dot(n, normal(m, g))
+        if turn >= limit:
+            clear = clear and (turn >= limit + WARY or v in corners(m, g))
+            continue
+        clear = False
+        c = (np.float64(m.facets[g, 0]), np.float64(m.facets[g, 1]), np.float64(m.facets[g, 2]))
+        d, e = subtract(c, p), subtract(c, here)
+        ahead = dot(d, n) >= 0.0
+        if turn >= (opposed if ahead else rear_opposed):
+            continue
+        gap = front if ahead else rear
+        if dot(d, d) < gap * gap and dot(d, d) < dot(e, e) and v not in corners(m, g):
+            return (AHEAD if ahead else BEHIND), g, False
+    return NOWHERE, np.int64(-1), clear
+
+
+@inner
+def _wish(field, inverse, allowed, inverse_allowed, dials, side, here, c, n):
+    """Return what would help a vertex at `here` that a face around `c` blocks.
+
+    What matters is what lies half-way. Ahead it is a gap: if nothing of the object is there, it is a small feature that
+    finer triangles can follow; else two fronts meet inside the object, and rest, or merge
+    where that is allowed. Behind it is a part of the surface's inside: if that is object, it is thin and wants finer
+    triangles; else it should go, and does by collapsing.
+    """
+    middle = (0.5 * (here[0] + c[0]), 0.5 * (here[1] + c[1]), 0.5 * (here[2] + c[2]))
+    there = speed_at(field, inverse, allowed, inverse_allowed, dials, middle, n)
+    if side == AHEAD:
+        return REFINE if there < 0.0 else MEET
+    return REFINE if there > 0.0 else COLLAPSE
+
+
+@inner
+def _place_of_rest(state, v, here, speed, field, inverse, allowed, inverse_allowed, dials, n):
+    """Return where between the previous position of `v` and this one the speed is least (Fig. 3.5)."""
+    best = abs(speed)
+    place = here
+    for k in range(1, SAMPLES + 1):
+        t = k / SAMPLES
+        q = (
+            here[0] + t * (state[v, LAST] - here[0]),
+            here[1] + t * (state[v, LAST + 1] - here[1]),
+            here[2] + t * (state[v, LAST + 2] - here[2]),
+        )
+        there = abs(speed_at(field, inverse, allowed, inverse_allowed, dials, q, n))
+        if there < best:
+            best = there
+            place = q
+    return place
+
+
+@inner
+def _propose(m, start, spheres, names, state, counter, clear, field, inverse, allowed, inverse_allowed, dials, found,
+             target, movers):  # fmt: skip
+    """Compute where the awake vertices would go, and freeze those that something has been in the way of for long.
+
+    Returns
+    -------
+    int
+        How many would go; written to `movers`, and where they go to `target`.
+    """
+    count = 0
+    for v in range(m.layout[VERTEX_TOP]):
+        if m.vertices[v, OUT] < 0 or counter[v, MODE] != AWAKE:
+            continue
+        n, u, known = surround(m, v)
+        if not known:
+            continue
+        here = point(m, v)
+        local = dials.length * m.points[v, SCALE]
+        speed = speed_at(field, inverse, allowed, inverse_allowed, dials, here, n)
+
+        sign = 1 if speed > 0.0 else -1
+        if counter[v, SIGN] != 0 and sign * counter[v, SIGN] < 0:
+            counter[v, FLIPS] += 1
+            counter[v, SIGN] = sign
+            state[v, GAIN] *= dials.damping
+            if counter[v, FLIPS] >= dials.aging:
+                counter[v, MODE] = AGED
+                p = _place_of_rest(state, v, here, speed, field, inverse, allowed, inverse_allowed, dials, n)
+                state[v, STEP] = 0.0
+                for axis in range(3):
+                    target[v, axis] = p[axis]
+                movers[count] = v
+                count += 1
+                continue
+        else:
+            # The magnitude counts steps in one direction.
+            counter[v, SIGN] += sign
+            state[v, GAIN] = min(1.0, 1.1 * state[v, GAIN])
+            if abs(counter[v, SIGN]) > STEADY:
+                counter[v, FLIPS] = 0
+
+        along = dot(u, n)
+        forward = dials.step * local * state[v, GAIN] * speed
+        bend = dials.bend
+        if dials.model == GRADIENT:
+            # In Eq. 3.1 the curvature is multiplied by g.
+            value, _ = sample(field, inverse, here)
+            bend *= value
+        forward = max(-LARGEST_STEP * local, min(LARGEST_STEP * local, forward + bend * along))
+        p = (
+            here[0] + forward * n[0] + dials.slide * (u[0] - along * n[0]),
+            here[1] + forward * n[1] + dials.slide * (u[1] - along * n[1]),
+            here[2] + forward * n[2] + dials.slide * (u[2] - along * n[2]),
+        )
+        counter[v, AGE] += 1
+        farther = FARTHER * local
+        side, g = NOWHERE, np.int64(-1)
+        seen = subtract(here, (state[v, SEEN], state[v, SEEN + 1], state[v, SEEN + 2]))
+        if clear[v] == 0 or 4.0 * dot(seen, seen) > farther * farther:
+            side, g, free = _obstacle(
+                m, start, spheres, names, v, p, n, here, dials.front * local, dials.rear * local, farther,
+                dials.opposed, dials.rear_opposed, found,
+            )  # fmt: skip
+            clear[v] = free
+            for axis in range(3):
+                state[v, SEEN + axis] = here[axis]
+        if side != NOWHERE:
+            counter[v, BLOCKED] += 1
+            if counter[v, BLOCKED] >= dials.patience:
+                c = (np.float64(m.facets[g, 0]), np.float64(m.facets[g, 1]), np.float64(m.facets[g, 2]))
+                counter[v, MODE] = FROZEN
+                counter[v, WISH] = _wish(field, inverse, allowed, inverse_allowed, dials, side, here, c, n)
+            continue
+        state[v, STEP] = forward
+        for axis in range(3):
+            state[v, LAST + axis] = here[axis]
+            target[v, axis] = p[axis]
+        movers[count] = v
+        count += 1
+    return count
+
+
+@inner
+def _settle(m, state, counter, dials):
+    """Let vertices sleep that got nowhere in a window of steps, and wake the neighbours of those that did.
+
+    Returns
+    -------
+    awake, oscillating : int
+    """
+    awake = 0
+    oscillating = 0
+    for v in range(m.layout[VERTEX_TOP]):
+        if m.vertices[v, OUT] < 0 or counter[v, MODE] != AWAKE:
+            continue
+        if counter[v, AGE] >= dials.window:
+            net = abs(state[v, NET])
+            local = dials.length * m.points[v, SCALE]
+            if net > dials.stir * local:
+                first = np.int64(m.vertices[v, OUT])
+                h = first
+                while True:
+                    wake(state, counter, origin(m, following(h)))
+                    h = twin(m, preceding(h))
+                    if h == first:
+                        break
+            counter[v, AGE] = 0
+            state[v, NET] = 0.0
+            # One that is kept from moving is not at rest: it will be frozen, and its wish heard.
+            if net < dials.rest * local and counter[v, BLOCKED] == 0 and counter[v, RETURNS] == 0:
+                counter[v, MODE] = ASLEEP
+                continue
+        awake += 1
+        oscillating += counter[v, FLIPS] >= OSCILLATING
+    return awake, oscillating
+
+
+@kernel
+def step(m, start, spheres, names, moves, batch, tick, state, counter, clear, field, inverse, allowed, inverse_allowed,
+         dials, target, movers):  # fmt: skip
+    """Move every awake vertex once, without a test of what moved (see `_motion_kernels.verify`).
+
+    Parameters
+    ----------
+    m, start, spheres, names
+        Mesh and its faces sorted by cell.
+    moves, batch, tick
+        As `_motion_kernels.displace` takes them.
+    state, counter : (V, 9) float64, (V, 8) int32
+    clear : (V,) int8
+        1 for vertices that nothing can be in the way of soon.
+    field, allowed : (I, J, K) float32, uint8
+        `allowed` may be empty: everything is.
+    inverse, inverse_allowed : (3, 4) float64
+        From RAS mm to index.
+    dials : Dials
+    target : (V, 3) float64
+    movers : (V,) int32
+        Room.
+
+    Returns
+    -------
+    awake, oscillating : int
+        Vertices awake now, and those among them that change their direction again and again.
+    way : float
+        How far in mm the vertex that moved farthest has moved.
+    narrow : float
+        Share of those that moved that something may be in the way of.
+    """
+    count = _propose(
+        m, start, spheres, names, state, counter, clear, field, inverse, allowed, inverse_allowed, dials, moves.found,
+        target, movers,
+    )  # fmt: skip
+    farthest = 0.0
+    narrow = 0
+    for i in range(count):
+        v = movers[i]
+        here = point(m, v)
+        displace(m, moves, v, target, batch)
+        way = subtract(point(m, v), here)
+        farthest = max(farthest, dot(way, way))
+        narrow += clear[v] == 0
+        state[v, NET] += state[v, STEP]
+        counter[v, BLOCKED] = 0
+    measure_displaced(m, moves, movers, count, batch, tick)
+    awake, oscillating = _settle(m, state, counter, dials)
+    return awake, oscillating, np.sqrt(farthest), narrow / max(count, 1)
+
+
+@kernel
+def take_back(moves, batch, size, state, counter, clear, dials):
+    """Note what a verification told: vertices that were put back try half the way next time, and freeze in the end.
+
+    Parameters
+    ----------
+    size : int
+        How many were put back.
+    """
+    for i in range(moves.counts[0]):
+        v = moves.movers[i]
+        if moves.state[v] == batch:
+            counter[v, RETURNS] = 0
+    for i in range(size):
+        v = moves.queue[i]
+        clear[v] = 0
+        counter[v, RETURNS] += 1
+        counter[v, AGE] = 0
+        state[v, GAIN] *= 0.5
+        state[v, NET] = 0.0
+        if counter[v, MODE] == ASLEEP:
+            counter[v, MODE] = AWAKE
+        if counter[v, MODE] == AWAKE and counter[v, RETURNS] >= dials.patience:
+            counter[v, MODE] = FROZEN
