@@ -246,6 +246,19 @@ def test_shows_what_was_measured_and_gives_the_files(
     wait_for_value(page, "After contrast", "post.nii.gz")
 
 
+def test_what_is_similar_to_the_tumor(open_page: OpenPage, segmented: dict[str, Any], api: httpx.Client) -> None:
+    """One click sends the surface off as an example; how many are found depends on what is in the bank."""
+    page = open_page(f"/jobs/{segmented['id']}")
+    page.get_by_role("button", name="Find shapes like object 1").click()
+    page.wait_for_url("**/shapes/search?asset=*")
+    page.get_by_role("heading", name="Like post-object-1.ply").wait_for()
+    page.get_by_test_id("searched").get_by_text("found").wait_for(timeout=WORK)
+    surface = segmented["result"]["objects"][0]["surface"]
+    asset = re.search(r"asset=([\w-]+)", page.url)[1]  # type: ignore[index]
+    sent = api.get(f"/v1/assets/{asset}/content").content
+    assert sent == api.get(f"/v1/jobs/{segmented['id']}/artifacts/{surface}").content
+
+
 def test_says_that_it_cannot_draw_without_webgl(open_page: OpenPage, segmented: dict[str, Any]) -> None:
     page = open_page(
         f"/jobs/{segmented['id']}",

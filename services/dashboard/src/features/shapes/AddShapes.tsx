@@ -51,7 +51,7 @@ function Form({ first, collection, onClose }: { first: readonly Picked[] } & Omi
   };
   const size = files.reduce((sum, { file }) => sum + file.size, 0);
   return (
-    <Stack gap="md">
+    <Stack gap="md" pt="xs">
       {files.length === 0 ? (
         <DropArea
           title="Drop meshes here"
@@ -99,7 +99,7 @@ function Form({ first, collection, onClose }: { first: readonly Picked[] } & Omi
           Cancel
         </Button>
         <Button disabled={files.length === 0 || wrong !== undefined} onClick={() => void add()}>
-          {files.length > 1 ? `Add ${files.length} shapes` : "Add the shape"}
+          {files.length === 0 ? "Add" : files.length === 1 ? "Add the shape" : `Add ${files.length} shapes`}
         </Button>
       </Group>
     </Stack>

@@ -168,7 +168,7 @@ export class ShapeCanvas implements LinkedView {
         segments.renderOrder = 1;
         this.#graph.add(segments);
       };
-      lines(graph.parents, "#ffffff", 1.1, 0.4);
+      lines(graph.parents, "#ffffff", 1.6, 0.75);
       lines(graph.neighbours, "#f4c56a", 2.2, 0.85);
       const ball = new SphereGeometry(1, 20, 14);
       graph.nodes.forEach((node, order) => {
