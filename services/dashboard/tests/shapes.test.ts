@@ -102,10 +102,12 @@ describe("adding shapes", () => {
 
   function bench(limit: number, refuse = false) {
     const requests: { request: BatchCreate; key: string }[] = [];
+    const removed: string[] = [];
     const kinds: Record<string, Asset["kind"]> = { "scan.nii": "volume" };
     const adding = new Adding({
       uploads: {
         add: async (parcels) => parcels.map(({ name }) => name),
+        remove: async (id) => void removed.push(id),
         settled: async (ids) =>
           ids.map(
             (name) =>
@@ -125,11 +127,11 @@ describe("adding shapes", () => {
       },
       batchLimit: async () => limit,
     });
-    return { adding, requests };
+    return { adding, requests, removed };
   }
 
   it("indexes the meshes, and tells what is none", async () => {
-    const { adding, requests } = bench(2);
+    const { adding, requests, removed } = bench(2);
     const names = ["a.ply", "broken.ply", "b.ply", "scan.nii", "c.ply"];
     await adding.add(names.map(parcel), "bones", { side: "left" });
     expect(requests.map(({ request }) => request)).toEqual([
@@ -151,6 +153,7 @@ describe("adding shapes", () => {
       { name: "broken.ply", why: "It is no mesh." },
       { name: "scan.nii", why: "It is no mesh, but: volume." },
     ]);
+    expect(removed).toEqual(["broken.ply"]);
     adding.forget(addition?.id ?? "");
     expect(adding.additions.get()).toEqual([]);
   });

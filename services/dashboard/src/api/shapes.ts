@@ -7,6 +7,7 @@ import {
   useQueryClient,
 } from "@tanstack/react-query";
 import { api, body } from "./client";
+import { ApiError } from "./problem";
 import type { Batch, Collection, Shape, ShapeDetail, ShapeUpdate } from "./types";
 
 /** Which shapes of the bank are shown. */
@@ -153,6 +154,21 @@ export function useDeleteShape() {
   });
 }
 
+/** What shows something else when shapes or collections have changed; meshes and pictures stay. */
+const changing = [shapeKeys.lists, ["shapes", "one"], ["shapes", "labels"], shapeKeys.collections] as const;
+
+/** Do something as soon as the server takes it: it lets only so many requests come in a minute. */
+async function patiently<T>(work: () => Promise<T>): Promise<T> {
+  for (let attempt = 0; ; attempt += 1) {
+    try {
+      return await work();
+    } catch (error) {
+      if (!(error instanceof ApiError && error.status === 429) || attempt >= 60) throw error;
+      await new Promise((resolve) => setTimeout(resolve, 1_000));
+    }
+  }
+}
+
 /** Move shapes to a collection, or delete them, one after another; shapes that have left their list vanish from it. */
 export function useChangeShapes() {
   const client = useQueryClient();
@@ -160,13 +176,15 @@ export function useChangeShapes() {
     mutationFn: async ({ ids, collection }: { ids: readonly string[]; collection: string | null }) => {
       for (const id of ids) {
         const params = { path: { shape_id: id } };
-        if (collection === null) await body(api.DELETE("/v1/shapes/{shape_id}", { params }));
-        else await body(api.PATCH("/v1/shapes/{shape_id}", { params, body: { collection } }));
+        await patiently(() =>
+          collection === null
+            ? body(api.DELETE("/v1/shapes/{shape_id}", { params }))
+            : body(api.PATCH("/v1/shapes/{shape_id}", { params, body: { collection } })),
+        );
       }
     },
     onSettled: () => {
-      void client.invalidateQueries({ queryKey: shapeKeys.all, predicate: ({ queryKey }) => queryKey[1] !== "model" });
-      void client.invalidateQueries({ queryKey: shapeKeys.collections });
+      for (const queryKey of changing) void client.invalidateQueries({ queryKey });
     },
   });
 }
@@ -190,8 +208,7 @@ export function useCollectionAction() {
       }
     },
     onSettled: () => {
-      void client.invalidateQueries({ queryKey: shapeKeys.collections });
-      void client.invalidateQueries({ queryKey: shapeKeys.all, predicate: ({ queryKey }) => queryKey[1] !== "model" });
+      for (const queryKey of changing) void client.invalidateQueries({ queryKey });
     },
   });
 }

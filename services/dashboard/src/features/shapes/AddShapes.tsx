@@ -89,6 +89,7 @@ function Form({ first, collection, onClose }: { first: readonly Picked[] } & Omi
         label="Labels"
         description="As name:value, for example side:left. All of these shapes will carry them."
         placeholder={labels.length === 0 ? "none" : ""}
+        comboboxProps={{ position: "top-start" }}
         data={known.data?.map((label) => `${label.name}:${label.value}`) ?? []}
         value={labels}
         onChange={setLabels}

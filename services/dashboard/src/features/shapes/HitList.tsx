@@ -21,7 +21,6 @@ export function HitList({ hits, partial, chosen, onChoose }: HitListProps) {
               type="button"
               className={classes.hit}
               aria-pressed={hit.shape_id === chosen}
-              aria-label={`${index + 1}: ${hit.shape.name}, score ${hit.score.toFixed(2)}`}
               onClick={() => onChoose(hit.shape_id)}
             >
               <ShapePicture shape={hit.shape} size={68} />

@@ -20,7 +20,7 @@ export interface Addition {
 }
 
 interface Dependencies {
-  uploads: Pick<UploadManager, "add" | "settled">;
+  uploads: Pick<UploadManager, "add" | "settled" | "remove">;
   asset: (id: string) => Promise<Asset>;
   createBatch: (request: BatchCreate, idempotencyKey: string) => Promise<Batch>;
   batchLimit: () => Promise<number>;
@@ -80,11 +80,14 @@ export class Adding {
   async #sorted(items: readonly UploadItem[]) {
     const meshes: string[] = [];
     const refused: { name: string; why: string }[] = [];
-    for (const { name, assetId, error } of items) {
+    for (const { id, name, assetId, error } of items) {
       const asset = assetId ? await this.#dependencies.asset(assetId) : null;
       if (asset?.kind === "mesh") meshes.push(asset.id);
       else if (asset) refused.push({ name, why: `It is no mesh, but: ${kindName(asset.kind).toLowerCase()}.` });
-      else refused.push({ name, why: error?.message ?? "It was not uploaded." });
+      else {
+        refused.push({ name, why: error?.message ?? "It was not uploaded." });
+        await this.#dependencies.uploads.remove(id); // told here, it need not wait among the uploads
+      }
     }
     return { meshes, refused };
   }
