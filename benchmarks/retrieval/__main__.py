@@ -19,10 +19,11 @@ from benchmarks.retrieval.growth import candidate_growth, growth
 from benchmarks.retrieval.measures import class_matrix, measure, per_query, precision_recall, relevance
 from benchmarks.retrieval.plots import draw_class_matrix, draw_precision_recall
 from benchmarks.retrieval.scores import all_methods
-from benchmarks.retrieval.variants import VARIANTS
+from benchmarks.retrieval.variants import VARIANTS, cropped
 from shapery_contracts.errors import UserError
 from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.mesh_io import read_mesh
+from shapery_retrieval.describe import describe
 from shapery_retrieval.search import Searcher
 from shapery_retrieval.warm import warm
 
@@ -76,20 +77,39 @@ def robustness(features: list[Features], labels: np.ndarray, numbers: list[int],
     chosen = numbers[:: max(1, len(numbers) // queries)]
     rows: dict[str, Any] = {}
     for name, wear in {"as they are": lambda mesh, _rng: mesh, **VARIANTS}.items():
-        modes = (False, True) if name.startswith("cropped") or name == "as they are" else (False,)
-        for partial in modes:
-            relevant, refused = [], 0
-            for number in chosen:
-                try:
-                    arg = features_of(f"{number}, {name}", wear(mesh_of(number), np.random.default_rng(number))).arg
-                except UserError:
-                    refused += 1
-                    continue
-                hits = searcher.search(arg, limit=len(bank), exclude=str(number), partial=partial).hits
-                relevant.append([label_of[hit.shape_id] == label_of[str(number)] for hit in hits])
-            found = per_query(np.array(relevant))
-            row = {key: float(values.mean()) for key, values in found.items()}
-            rows[name + (", partial" if partial else "")] = {**row, "queries": len(relevant), "refused": refused}
+        relevant, refused = [], 0
+        for number in chosen:
+            try:
+                arg = features_of(f"{number}, {name}", wear(mesh_of(number), np.random.default_rng(number))).arg
+            except UserError:
+                refused += 1
+                continue
+            hits = searcher.search(arg, limit=len(bank), exclude=str(number)).hits
+            relevant.append([label_of[hit.shape_id] == label_of[str(number)] for hit in hits])
+        found = per_query(np.array(relevant))
+        row = {key: float(values.mean()) for key, values in found.items()}
+        rows[name] = {**row, "queries": len(relevant), "refused": refused}
+    return rows
+
+
+def partial_queries(features: list[Features], labels: np.ndarray, numbers: list[int], queries: int) -> dict[str, Any]:
+    """Search with parts of some shapes, cut off by a random plane; the shapes themselves are left out of the bank."""
+    bank = {str(n): item.arg for n, item in zip(numbers, features, strict=True)}
+    label_of = dict(zip(bank, labels.tolist(), strict=True))
+    searcher = Searcher.of(bank)
+    chosen = numbers[:: max(1, len(numbers) // queries)]
+    rows: dict[str, Any] = {}
+    for share in (0.7, 0.5, 0.3):
+        relevant = []
+        for number in chosen:
+            found = describe(cropped(share)(mesh_of(number), np.random.default_rng(number)))
+            answer = searcher.search(
+                found.arg, limit=len(bank), exclude=str(number), partial=True, hypotheses=found.hypotheses()
+            )
+            relevant.append([label_of[hit.shape_id] == label_of[str(number)] for hit in answer.hits])
+        measured = per_query(np.array(relevant))
+        rows[f"{share:.0%} of the surface"] = {key: float(values.mean()) for key, values in measured.items()}
+        print(share, rows[f"{share:.0%} of the surface"], flush=True)
     return rows
 
 
@@ -134,6 +154,7 @@ def main() -> None:
         result["poses"] = table(*poses(options.poses))[0]
     if options.queries:
         result["robustness"] = robustness(features, labels, numbers, options.queries)
+        result["partial"] = partial_queries(features, labels, numbers, 4 * options.queries)
     result["index_cpu_seconds"] = index_profile([mesh_of(n) for n in numbers[:: max(1, len(numbers) // 10)]])
     result["query_cpu_seconds"] = query_cost(features)
     result["growth"] = growth(features, [10**k for k in range(2, options.growth + 1)])
@@ -163,6 +184,14 @@ def report(result: dict[str, Any], count: int) -> str:
         lines += ["", "## Poses: every class is one moving body", "", head, *rows(result["poses"])]
     if "robustness" in result:
         lines += ["", "## Worn queries against the bank as it is", "", head, *rows(result["robustness"])]
+    if "partial" in result:
+        lines += [
+            "",
+            "## Parts, cut off by a random plane, as queries of unknown size",
+            "",
+            head,
+            *rows(result["partial"]),
+        ]
     classes = result["first_tier_by_class"]
     lines += ["", "## First tier by class", "", "| class | " + " | ".join(classes) + " |", "|---" * 4 + "|"]
     for name in next(iter(classes.values())):

@@ -7,16 +7,18 @@ scatter.
 
 from __future__ import annotations
 
+import hashlib
 import time
 import tracemalloc
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 from uuid import UUID
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.retrieval.features import Features
+from benchmarks.retrieval.features import CACHE, Features
 from shapery_contracts.retrieval import VECTOR_DIMENSION
 from shapery_retrieval.arg import Arg
 from shapery_retrieval.job import CANDIDATES
@@ -28,22 +30,41 @@ from shapery_worker.bank import VectorTable
 NOISE = 0.05
 WAY = 0.6
 CHUNK = 1000
+NAMES = ("masses", "features", "squares", "distances", "own", "parts")
 QUERIES = 20
 
 
-def grown(args: Sequence[Arg], size: int, rng: np.random.Generator) -> PackedGraphs:
-    """Return so many graphs between those of `args`."""
+def grown(args: Sequence[Arg], size: int) -> PackedGraphs:
+    """Return so many graphs between those of `args`; a thousand of them are computed once and kept in a file."""
     levels, whole = pack_levels(args), whole_arrays(args)
-    near = np.argsort(cue_distances(vectors_of(levels, whole), vectors_of(levels, whole), "covariance"), axis=1)[
-        :, 1:13
-    ]
-    chunks = [_between(levels, whole, near, min(CHUNK, size - start), rng) for start in range(0, size, CHUNK)]
-    names = ("masses", "features", "squares", "distances", "own", "parts")
+    vectors = vectors_of(levels, whole)
+    near = np.argsort(cue_distances(vectors, vectors, "covariance"), axis=1)[:, 1:13]
+    folder = CACHE / f"grown-{hashlib.sha256(b''.join(arg.to_bytes() for arg in args)).hexdigest()[:16]}"
+    folder.mkdir(parents=True, exist_ok=True)
+    chunks = []
+    for number in range(-(-size // CHUNK)):
+        path = folder / f"{number}.npz"
+        if not path.exists():
+            _save(path, _between(levels, whole, near, CHUNK, np.random.default_rng([11, number])))
+        chunks.append(_load(path, len(levels)))
     joined = tuple(
-        PackedLevel(*(np.concatenate([getattr(chunk.levels[k], name) for chunk in chunks]) for name in names))
+        PackedLevel(*(np.concatenate([getattr(chunk.levels[k], name) for chunk in chunks])[:size] for name in NAMES))
         for k in range(len(levels))
     )
-    return PackedGraphs(joined, np.concatenate([chunk.vectors for chunk in chunks]))
+    return PackedGraphs(joined, np.concatenate([chunk.vectors for chunk in chunks])[:size])
+
+
+def _save(path: Path, graphs: PackedGraphs) -> None:
+    arrays = {f"{name}{k}": getattr(level, name) for k, level in enumerate(graphs.levels) for name in NAMES}
+    part = path.with_suffix(".part.npz")
+    np.savez(part, vectors=graphs.vectors, **arrays)
+    part.replace(path)
+
+
+def _load(path: Path, levels: int) -> PackedGraphs:
+    with np.load(path, allow_pickle=False) as stored:
+        found = tuple(PackedLevel(*(stored[f"{name}{k}"] for name in NAMES)) for k in range(levels))
+        return PackedGraphs(found, stored["vectors"])
 
 
 def _between(
@@ -80,10 +101,9 @@ def _between(
 
 def growth(features: Sequence[Features], sizes: Sequence[int], queries: int = QUERIES) -> list[dict[str, Any]]:
     """Return for banks of growing size what a query costs, by stage, and how much of the exhaustive answer it keeps."""
-    rng = np.random.default_rng(0)
     args = [item.arg for item in features]
     asked = args[:: max(1, len(args) // queries)][:queries]
-    bank = grown(args, max(sizes), rng)
+    bank = grown(args, max(sizes))
     rows = []
     for size in sizes:
         table = VectorTable()

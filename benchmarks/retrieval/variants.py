@@ -61,6 +61,4 @@ VARIANTS: dict[str, Variant] = {
     "a quarter of the faces": fewer(0.25),
     "an eighth of the faces": fewer(0.125),
     "five holes": holes,
-    "cropped to 70 %": cropped(0.7),
-    "cropped to 50 %": cropped(0.5),
 }

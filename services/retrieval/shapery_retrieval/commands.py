@@ -15,7 +15,7 @@ from shapery_contracts.errors import InvalidInput, UserError
 from shapery_contracts.retrieval import ShapeSearchParams, ShapeSearchResult
 from shapery_geometry.mesh_io import read_mesh, read_mesh_bytes
 from shapery_retrieval.arg import Arg
-from shapery_retrieval.describe import build_arg
+from shapery_retrieval.describe import build_arg, describe
 from shapery_retrieval.job import search_bank
 from shapery_retrieval.local import open_bank
 from shapery_retrieval.search import score_matrix
@@ -52,8 +52,9 @@ def index_files(paths: Sequence[Path], bank: Path, processes: int, on_progress: 
 def search_file(path: Path, bank: Path, params: ShapeSearchParams) -> ShapeSearchResult:
     """Search a bank by a mesh in a file."""
     with open_bank(bank, must_exist=True) as stored:
-        query = build_arg(read_mesh(path))
-        return search_bank(query, params, stored, None, {})
+        found = describe(read_mesh(path))
+        hypotheses = found.hypotheses() if params.mode == "partial" else ()
+        return search_bank(found.arg, params, stored, None, {}, hypotheses=hypotheses)
 
 
 def write_matrix(bank: Path, out: Path, *, rerank: bool = False) -> int:

@@ -18,6 +18,7 @@ from shapery_retrieval.arg import Arg
 from shapery_retrieval.decompose import Decomposition, decompose
 from shapery_retrieval.nodes import build_levels
 from shapery_retrieval.normalise import NormalisedMesh, normalise
+from shapery_retrieval.patches import SHARES, LocalSurface, Patches
 from shapery_retrieval.signals import Signals, compute_signals
 from shapery_retrieval.whole import whole_descriptors
 
@@ -57,6 +58,12 @@ class Description:
         nearest = closest_points(own.mesh, placed)
         corner = own.mesh.faces[nearest.faces, np.argmax(nearest.barycentric, axis=1)]
         return np.asarray(labels[corner])
+
+    @one_blas_thread()
+    def hypotheses(self) -> list[Patches]:
+        """Return the surface's patches as those of several shares of a whole, for a search in which it is a part."""
+        local = LocalSurface(self.normalised, self.signals, self.decomposition.samples)
+        return [local.patches(share) for share in SHARES]
 
     def region_shares(self, mesh: TriangleMesh, faces: Sequence[int]) -> list[NDArray[np.float64]]:
         """For each level the (k,) share of each part's area that lies in a region of the mesh as it was read.
@@ -129,6 +136,11 @@ def describe(mesh: TriangleMesh, *, on_stage: OnStage | None = None) -> Descript
     stage("views")
     whole = whole_descriptors(surface, signals)
     done("views")
+    stage("patches")
+    masses, features = LocalSurface(normalised, signals, decomposition.samples).described(1.0)
+    parts = decomposition.levels[-1].astype(np.uint8)
+    whole |= {"patch_masses": masses, "patch_features": features, "patch_parts": parts}
+    done("patches")
     # written and read once, so that what is compared now is exactly what will be compared later
     arg = Arg.from_bytes(Arg(levels, MappingProxyType(whole)).to_bytes())
     return Description(arg, normalised, signals, decomposition, seconds)

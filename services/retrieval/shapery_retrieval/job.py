@@ -27,11 +27,12 @@ if TYPE_CHECKING:
 
     from shapery_retrieval.arg import Arg
     from shapery_retrieval.laid_out import Searchers
+    from shapery_retrieval.patches import Patches
     from shapery_retrieval.search import Answer
 
     PartNumbers = Sequence[NDArray[np.int64]]
 
-_FRACTIONS = {"normalise": 0.05, "describe": 0.15, "decompose": 0.6, "views": 0.75}
+_FRACTIONS = {"normalise": 0.05, "describe": 0.15, "decompose": 0.6, "views": 0.75, "patches": 0.82}
 WRITE = 0.85
 
 CANDIDATES = 600
@@ -106,13 +107,13 @@ class ShapeSearchHandler:
         seconds: dict[str, float] = {}
         start = time.perf_counter()
         context.stage("read", 0.0)
-        query, numbers = self._query(params, inputs, bank, context)
+        query, numbers, hypotheses = self._query(params, inputs, bank, context)
         seconds["index"] = time.perf_counter() - start
         if self._searchers is None:
             from shapery_retrieval.laid_out import Searchers
 
             self._searchers = Searchers()  # a process that answers many queries asks this very handler
-        result = search_bank(query, params, bank, context, seconds, self._searchers, numbers)
+        result = search_bank(query, params, bank, context, seconds, self._searchers, numbers, hypotheses)
         context.stage("write", 0.98)
         (context.output / "results.json").write_text(result.model_dump_json(indent=2))
         context.progress(1.0)
@@ -120,7 +121,8 @@ class ShapeSearchHandler:
 
     def _query(
         self, params: ShapeSearchParams, inputs: Mapping[str, Path], bank: ShapeBank, context: JobContext
-    ) -> tuple[Arg, PartNumbers | None]:
+    ) -> tuple[Arg, PartNumbers | None, Sequence[Patches]]:
+        """Return the query's graph, what its parts are called and, where its size is unknown, what it may be."""
         from shapery_geometry.mesh_io import read_mesh
         from shapery_retrieval.arg import Arg
         from shapery_retrieval.describe import describe
@@ -128,6 +130,7 @@ class ShapeSearchHandler:
         from shapery_retrieval.search import parts_in, region_of
 
         shares: list[NDArray[np.float64]] | None = None
+        hypotheses: Sequence[Patches] = ()
         if params.shape_id is not None and not (params.region is not None and "mesh" in inputs):
             if params.region is not None:
                 raise InvalidInput("invalid_params", "A region is of the faces of a mesh, which was not given.")
@@ -144,11 +147,15 @@ class ShapeSearchHandler:
             query = found.arg
             if params.region is not None:
                 shares = found.region_shares(mesh, params.region)
+            elif params.mode == "partial" and params.parts is None:
+                hypotheses = found.hypotheses()
         else:
             raise InvalidInput("missing_input", "Give a mesh, or name a stored shape.")
         if params.parts is not None:
             shares = _shares_of_parts(query, params.parts)
-        return (query, None) if shares is None else (region_of(query, shares), parts_in(query, shares))
+        if shares is None:
+            return query, None, hypotheses
+        return region_of(query, shares), parts_in(query, shares), ()
 
 
 def search_bank(
@@ -159,6 +166,7 @@ def search_bank(
     seconds: dict[str, float],
     searchers: Searchers | None = None,
     numbers: PartNumbers | None = None,
+    hypotheses: Sequence[Patches] = (),
 ) -> ShapeSearchResult:
     """Search a bank with a graph.
 
@@ -178,6 +186,8 @@ def search_bank(
         What earlier queries have read; none where the ids of the bank may come to mean other graphs.
     numbers
         For each level what the query's parts are called in the hits; by default by their place.
+    hypotheses
+        Of a partial query; see `shapery_retrieval.search.Searcher.search`.
     """
     from shapery_retrieval.laid_out import GoneError, Searchers
     from shapery_retrieval.vector import vector_of
@@ -200,7 +210,12 @@ def search_bank(
         searcher = searchers.over(bank, near, query.index_version)
         try:
             answer = searcher.search(
-                query, limit=params.limit, exclude=params.shape_id, partial=partial, rerank=params.rerank
+                query,
+                limit=params.limit,
+                exclude=params.shape_id,
+                partial=partial,
+                rerank=params.rerank,
+                hypotheses=hypotheses,
             )
             break
         except GoneError as error:

@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 from shapery_contracts.retrieval import INDEX_VERSION, VECTOR_DIMENSION, Candidate, ShapeBank
 from shapery_retrieval.arg import Arg
 from shapery_retrieval.packing import PackedLevel, joined, pack_levels
+from shapery_retrieval.patches import Patches, patches_of
 from shapery_retrieval.search import Searcher
 
 MOST_BANKS = 4
 MOST_GRAPHS = 8192
-"""About 22 kB each."""
+"""About 36 kB each."""
 
 
 class GoneError(Exception):
@@ -34,7 +35,7 @@ class Searchers:
     """
 
     def __init__(self) -> None:
-        self._graphs: OrderedDict[str, tuple[PackedLevel, ...]] = OrderedDict()
+        self._graphs: OrderedDict[str, tuple[tuple[PackedLevel, ...], Patches]] = OrderedDict()
         self._scales: OrderedDict[tuple[str, ...], dict[str, NDArray[np.float64]]] = OrderedDict()
 
     def over(self, bank: ShapeBank, near: Sequence[Candidate], version: int = INDEX_VERSION) -> Searcher:
@@ -52,14 +53,18 @@ class Searchers:
             self._scales.popitem(last=False)
 
         def lay(places: NDArray[np.int64]) -> tuple[PackedLevel, ...]:
-            return joined(self._laid(bank, [ids[place] for place in places.tolist()]))
+            return joined([levels for levels, _ in self._laid(bank, [ids[place] for place in places.tolist()])])
 
-        return Searcher(ids, vectors.reshape(len(ids), VECTOR_DIMENSION), lay, version, scales)
+        def lay_patches(places: NDArray[np.int64]) -> list[Patches]:
+            return [patches for _, patches in self._laid(bank, [ids[place] for place in places.tolist()])]
 
-    def _laid(self, bank: ShapeBank, ids: Sequence[str]) -> list[tuple[PackedLevel, ...]]:
+        return Searcher(ids, vectors.reshape(len(ids), VECTOR_DIMENSION), lay, lay_patches, version, scales)
+
+    def _laid(self, bank: ShapeBank, ids: Sequence[str]) -> list[tuple[tuple[PackedLevel, ...], Patches]]:
         missing = [shape_id for shape_id in ids if shape_id not in self._graphs]
         for shape_id, data in bank.args(missing).items() if missing else ():
-            self._graphs[shape_id] = pack_levels([Arg.from_bytes(data)])
+            arg = Arg.from_bytes(data)
+            self._graphs[shape_id] = pack_levels([arg]), patches_of(arg)
         gone = frozenset(shape_id for shape_id in missing if shape_id not in self._graphs)
         if gone:
             raise GoneError(gone)

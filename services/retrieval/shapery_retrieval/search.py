@@ -12,8 +12,9 @@ from shapery_contracts.errors import InvalidInput
 from shapery_contracts.retrieval import INDEX_VERSION, VECTOR_DIMENSION
 from shapery_geometry.threads import one_blas_thread
 from shapery_retrieval.arg import Arg
-from shapery_retrieval.matching import UNLIKE, Match, match_packed
+from shapery_retrieval.matching import Match, match_packed
 from shapery_retrieval.packing import PackedLevel, pack_levels, part_distances, whole_arrays
+from shapery_retrieval.patches import Patches, nearest_patches, patches_of
 from shapery_retrieval.ranking import GROUPS, affinity, contrast, diffuse, gate, local_scale, local_scales, voted
 from shapery_retrieval.vector import SEGMENTS, PackedGraphs, Vectors, cue_distances, pack, vectors_of
 
@@ -26,6 +27,8 @@ RERANKED = 64
 Array = NDArray[np.float64]
 Lay = Callable[[NDArray[np.int64]], tuple[PackedLevel, ...]]
 """Lays out the levels of the shapes at some places of a bank."""
+LayPatches = Callable[[NDArray[np.int64]], list[Patches]]
+"""Gives the patches of the shapes at some places of a bank."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,8 +68,8 @@ class Searcher:
         Names of the shapes, in ascending order.
     vectors : (n, 256) float32
         Their vectors.
-    lay
-        Gives the graphs of shapes when they are matched.
+    lay, lay_patches
+        Give the graphs of shapes, or their patches, when they are matched.
     version
         Index version of all of them.
     scales
@@ -78,12 +81,14 @@ class Searcher:
         ids: Sequence[str],
         vectors: Vectors,
         lay: Lay,
+        lay_patches: LayPatches,
         version: int = INDEX_VERSION,
         scales: dict[str, Array] | None = None,
     ) -> None:
         self.ids = list(ids)
         self._vectors = vectors
         self._lay = lay
+        self._lay_patches = lay_patches
         self._version = version
         self._scales = {} if scales is None else scales
 
@@ -92,12 +97,13 @@ class Searcher:
         """Return a searcher over graphs of one index version by the names of their shapes."""
         ids = sorted(args)
         if not ids:
-            return cls([], np.empty((0, VECTOR_DIMENSION), np.float32), lambda _: ())
+            return cls([], np.empty((0, VECTOR_DIMENSION), np.float32), lambda _: (), lambda _: [])
         graphs = pack([args[name] for name in ids])
         return cls(
             ids,
             graphs.vectors,
             lambda places: tuple(level.taken(places) for level in graphs.levels),
+            lambda places: [patches_of(args[ids[place]]) for place in places.tolist()],
             args[ids[0]].index_version,
         )
 
@@ -114,6 +120,7 @@ class Searcher:
         partial: bool = False,
         rerank: bool = False,
         exhaustive: bool = False,
+        hypotheses: Sequence[Patches] = (),
     ) -> Answer:
         """Find the shapes that resemble a query.
 
@@ -131,6 +138,8 @@ class Searcher:
             Whether the order of the best follows how they resemble each other, too.
         exhaustive
             Whether all shapes are matched part by part, and not the promising ones alone.
+        hypotheses
+            For a partial query its patches, for each size that it may have in a whole; by default those of its graph.
         """
         if not self.ids:
             return Answer((), {group: 1 / len(GROUPS) for group in GROUPS}, 0)
@@ -144,7 +153,8 @@ class Searcher:
             packed = PackedGraphs(levels, self._vectors[~allowed])
         weights: Mapping[str, float] = {"parts": 1.0}
         if partial:
-            scores, compared = self._partial_scores(packed.levels, allowed), int(allowed.sum())
+            scores = self._partial_scores(hypotheses or [patches_of(query)], allowed)
+            compared = int(allowed.sum())
         else:
             wanted = max(limit, RERANKED) if rerank else limit
             scores, weights, compared = self._scores(packed, allowed, wanted, exhaustive=exhaustive)
@@ -187,16 +197,21 @@ class Searcher:
                 break
         return scores, weights, done
 
-    def _partial_scores(self, query: Sequence[PackedLevel], allowed: NDArray[np.bool_]) -> Array:
-        """Return e to the relaxed cost on the best level; all shapes are matched, because no vector tells of parts."""
+    def _partial_scores(self, hypotheses: Sequence[Patches], allowed: NDArray[np.bool_]) -> Array:
+        """Return what share of the query finds a patch of its kind in each shape, over all hypotheses of its size.
+
+        All shapes are looked at, because no vector tells of parts. A patch votes for shapes that have one nearer to it
+        than most shapes have: its distances are taken by its own local scale.
+        """
         chosen = np.flatnonzero(allowed)
-        best = np.full(len(chosen), np.inf)
-        for own, others in zip(query, self._lay(chosen), strict=True):
-            itself = float(own.costs(own, 0, np.array([0]), relaxed=True)[0])
-            costs = own.costs(others, 0, np.arange(len(chosen)), relaxed=True)
-            best = np.minimum(best, np.maximum(costs - itself, 0.0))
+        others = self._lay_patches(chosen)
+        votes = np.zeros(len(chosen))
+        for patches in hypotheses:
+            apart = nearest_patches(patches, others)
+            scales = np.array([local_scale(row) for row in apart])
+            votes += patches.masses @ np.exp(-((apart / scales[:, None]) ** 2)) / len(hypotheses)
         scores = np.full(len(self.ids), -1.0)
-        scores[chosen] = np.exp(-best / UNLIKE)
+        scores[chosen] = votes
         return scores
 
     def _reranked(self, scores: Array, order: NDArray[np.int64]) -> tuple[NDArray[np.int64], Array]:
@@ -294,4 +309,6 @@ def region_of(arg: Arg, shares: Sequence[Array]) -> Arg:
                 parents=level.parents[keep],
             )
         )
-    return replace(arg, levels=tuple(levels))
+    inside = np.isin(arg.whole["patch_parts"], keep)
+    kept = {name: values[inside] if name.startswith("patch_") else values for name, values in arg.whole.items()}
+    return replace(arg, levels=tuple(levels), whole=kept)

@@ -17,12 +17,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
+from scipy.sparse import coo_array, csr_array
 
 from shapery_contracts.errors import InvalidInput
 from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.operators.curvature import angle_defects
-from shapery_geometry.operators.geodesics import GeodesicSurface
+from shapery_geometry.operators.geodesics import GeodesicSurface, Links
 from shapery_geometry.operators.intrinsic import intrinsic_delaunay
 from shapery_geometry.operators.laplacian import cotangent_laplacian
 from shapery_geometry.operators.rays import first_hits
@@ -95,12 +95,7 @@ def compute_signals(normalised: NormalisedMesh) -> Signals:
     areas = triangulation.vertex_areas()
     areas = np.maximum(areas, 1e-6 * areas.mean())
     areas /= areas.sum()
-    if len(links.lengths):
-        i, j = links.ends.T
-        w = np.full(len(i), LINK_CONDUCTANCE)
-        rows, columns = np.concatenate((i, j, i, j)), np.concatenate((j, i, i, j))
-        joined = coo_array((np.concatenate((-w, -w, w, w)), (rows, columns)), shape=laplacian.shape)
-        laplacian = (laplacian + joined).tocsr()
+    laplacian = joined_laplacian(laplacian, links)
     spectrum = laplacian_spectrum(laplacian, areas, min(EIGENPAIRS, len(areas) - 2))
     squares = spectrum.functions**2
     heat = 1.0 + squares[:, 1:] @ np.exp(-spectrum.values[1:, None] * HEAT_TIMES)
@@ -110,9 +105,8 @@ def compute_signals(normalised: NormalisedMesh) -> Signals:
     wave = squares[:, 1:] @ weights / np.maximum(weights.sum(axis=0), 1e-6)
     wave = np.log(np.maximum(wave, 1e-3))
     normals = mesh.vertex_normals
-    thickness = spectrum.low_pass(_thickness(normalised.mesh), 5e-4)
-    bending = np.einsum("ij,ij->i", np.asarray(cotangent_laplacian(mesh) @ mesh.vertices), normals) / 2
-    defects = _angle_defects(mesh)
+    thickness = spectrum.low_pass(shape_diameter(normalised.mesh), 5e-4)
+    bending, defects = bent(mesh)
     mean = np.stack([_spread(spectrum, bending, t) for t in CURVATURE_TIMES], axis=1)
     gaussian = np.stack([_spread(spectrum, defects, t) for t in CURVATURE_TIMES], axis=1)
     result = Signals(
@@ -131,6 +125,23 @@ def compute_signals(normalised: NormalisedMesh) -> Signals:
     return result
 
 
+def joined_laplacian(laplacian: csr_array[np.float64], links: Links) -> csr_array[np.float64]:
+    """Let heat run along links between components, too."""
+    if not len(links.lengths):
+        return laplacian
+    i, j = links.ends.T
+    w = np.full(len(i), LINK_CONDUCTANCE)
+    rows, columns = np.concatenate((i, j, i, j)), np.concatenate((j, i, i, j))
+    joined = coo_array((np.concatenate((-w, -w, w, w)), (rows, columns)), shape=laplacian.shape)
+    return (laplacian + joined).tocsr()
+
+
+def bent(mesh: TriangleMesh) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """(n,) mean and (n,) Gaussian curvature that each vertex has in all."""
+    bending = np.einsum("ij,ij->i", np.asarray(cotangent_laplacian(mesh) @ mesh.vertices), mesh.vertex_normals) / 2
+    return bending, _angle_defects(mesh)
+
+
 def _spread(spectrum: Spectrum, integrated: NDArray[np.float64], time: float) -> NDArray[np.float64]:
     """Return a density from what each vertex has in all, spread by heat for a time."""
     coefficients = np.exp(-spectrum.values * time) * (spectrum.functions.T @ integrated)
@@ -144,7 +155,7 @@ def _angle_defects(mesh: TriangleMesh) -> NDArray[np.float64]:
     return np.clip(defects, -2 * np.pi, 2 * np.pi)
 
 
-def _thickness(mesh: TriangleMesh) -> NDArray[np.float64]:
+def shape_diameter(mesh: TriangleMesh) -> NDArray[np.float64]:
     """(n,) logarithm of the mean length of rays into the body, those far from their median left out."""
     n, normals = len(mesh.vertices), mesh.vertex_normals
     # a sunflower of directions in the cone around the inward normal

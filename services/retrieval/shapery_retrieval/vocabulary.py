@@ -32,6 +32,8 @@ class Vocabulary:
         Mean and principal axes of view features, and words in these axes.
     node_mean, node_spread : (d,) float64
         Of the features of graph nodes, over parts weighted by area.
+    patch_mean, patch_spread : (29,) float64
+        Of the features of patches, weighted by area.
     cue_axes
         For each descriptor at the root its mean and its principal axes, of a length that makes the distance to the
         twelfth neighbour about the root of the cue's vote.
@@ -54,6 +56,8 @@ class Vocabulary:
     view_rarity: NDArray[np.float32]
     node_mean: NDArray[np.float64]
     node_spread: NDArray[np.float64]
+    patch_mean: NDArray[np.float64]
+    patch_spread: NDArray[np.float64]
     cue_axes: Mapping[str, tuple[NDArray[np.float32], NDArray[np.float32]]]
     landmarks: tuple[bytes, ...]
     landmark_mean: NDArray[np.float64]
@@ -78,6 +82,8 @@ def vocabulary() -> Vocabulary:
             view_rarity=stored["view_rarity"].astype(np.float32),
             node_mean=stored["node_mean"].astype(np.float64),
             node_spread=stored["node_spread"].astype(np.float64),
+            patch_mean=stored["patch_mean"].astype(np.float64),
+            patch_spread=stored["patch_spread"].astype(np.float64),
             cue_axes=MappingProxyType(
                 {
                     name: (stored[f"{name}.mean"].astype(np.float32), stored[f"{name}.axes"].astype(np.float32))

@@ -127,7 +127,7 @@ def test_indexing_leaves_everything_a_viewer_needs(tmp_path: Path, described_egg
     write_mesh(egg(), tmp_path / "mesh.ply")
     context = Context(tmp_path)
     result = ShapeIndexHandler().run(ShapeIndexParams(preview_size=64), {"mesh": tmp_path / "mesh.ply"}, context)
-    assert context.stages == ["read", "normalise", "describe", "decompose", "views", "write"]
+    assert context.stages == ["read", "normalise", "describe", "decompose", "views", "patches", "write"]
     assert context.fractions == sorted(context.fractions)
     assert context.fractions[-1] == 1.0
     assert sorted(path.name for path in context.output.iterdir()) == [

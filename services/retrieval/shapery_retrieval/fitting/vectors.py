@@ -38,7 +38,16 @@ def fit_vectors(args: Sequence[Arg], rng: np.random.Generator) -> dict[str, NDAr
         found[f"{cue}.mean"] = mean.astype(np.float16)
         found[f"{cue}.axes"] = (axes * unit).astype(np.float16)
         found[f"{cue}.unlike"] = np.array(apart[np.triu_indices(len(args), 1)].mean() * unit, dtype=np.float32)
-    return {**found, **_fit_landmarks(args, rng)}
+    return {**found, **_fit_landmarks(args, rng), **fit_patches(args)}
+
+
+def fit_patches(args: Sequence[Arg]) -> dict[str, NDArray[np.generic]]:
+    """Return mean and spread of the features of patches."""
+    features = np.concatenate([arg.whole["patch_features"].astype(np.float64) for arg in args])
+    masses = np.concatenate([arg.whole["patch_masses"] for arg in args]).astype(np.float64)
+    mean = masses @ features / masses.sum()
+    spread = np.sqrt(masses @ (features - mean) ** 2 / masses.sum())
+    return {"patch_mean": mean.astype(np.float32), "patch_spread": spread.astype(np.float32)}
 
 
 def _fit_landmarks(args: Sequence[Arg], rng: np.random.Generator) -> dict[str, NDArray[np.generic]]:
