@@ -11,6 +11,8 @@ import httpx
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy import ndimage
+from scipy.spatial import cKDTree
 
 from shapery_geometry.volume import Volume
 from shapery_geometry.volume_io import read_volume
@@ -292,7 +294,7 @@ def test_a_file_that_cannot_be_fetched_is_told_and_fetched_again(
 def test_a_mask_is_compared_and_drawn(
     open_page: OpenPage, segmented: dict[str, Any], labels: Volume, phantom: Path, api: httpx.Client
 ) -> None:
-    """The figures are those of the voxels, and green appears in the slices."""
+    """The figures are those of the voxels, green appears in the slices, and the surface has the colors of distances."""
     truth = read_volume(phantom / "truth.nii.gz")
     with (phantom / "truth.nii.gz").open("rb") as file:
         api.post("/v1/assets", files={"file": ("drawn by hand.nii.gz", file)}).raise_for_status()
@@ -312,6 +314,34 @@ def test_a_mask_is_compared_and_drawn(
     assert float(shown) == pytest.approx(iou, abs=0.0006)
     page.wait_for_timeout(1500)
     assert green() > before + 200
+
+    found = segmented["result"]["objects"]
+    files = [api.get(f"/v1/jobs/{segmented['id']}/artifacts/{item['surface']}").content for item in found]
+    distances = np.abs(to_border(np.concatenate([vertices_of(data) for data in files]), truth))
+    legend = page.get_by_test_id("distances").text_content().replace("\u00a0", " ")
+    told = [float(value) for value in re.findall(r"(?:mean|within|at most) ([\d.]+) mm", legend)]
+    expected = [distances.mean(), np.quantile(distances, 0.95, method="higher"), distances.max()]
+    np.testing.assert_allclose(told, expected, atol=0.02)
+    colored = tumor_colored(picture(page.get_by_test_id("surface")))
+    page.get_by_role("button", name="Color by the distance to the mask").click()
+    page.wait_for_timeout(500)
+    plain = tumor_colored(picture(page.get_by_test_id("surface")))
+    assert (colored & plain).sum() < 0.5 * plain.sum()
+    assert page.get_by_test_id("distances").count() == 0
+
+
+def to_border(points: NDArray[np.float64], mask: Volume) -> NDArray[np.float64]:
+    """How far points are from the border of a mask, in mm, negative inside: the nearest voxel of the other side."""
+    inside = np.pad(mask.data > 0, 2)
+    at = mask.to_index(points) + 2
+    here = inside[tuple(np.rint(at).astype(int).T)]
+    found = np.empty(len(at))
+    for side in (False, True):
+        other = np.argwhere(ndimage.binary_dilation(inside == side) & (inside != side))
+        _, near = cKDTree(other * mask.spacing).query(at[here == side] * mask.spacing, k=40)
+        beyond = np.maximum(np.abs(at[here == side][:, None] - other[near]) - 0.5, 0) * mask.spacing
+        found[here == side] = np.linalg.norm(beyond, axis=2).min(axis=1) * (-1 if side else 1)
+    return found
 
 
 def test_a_seed_is_placed_and_run(open_page: OpenPage, segmented: dict[str, Any], api: httpx.Client) -> None:

@@ -248,13 +248,18 @@ function Aside({ job, assets, children }: { job: Job; assets: ReadonlyMap<string
   );
 }
 
+/** Vessels are looked for only where a volume shows them. */
+function stagesOf(job: Job, stages: readonly string[]): readonly string[] {
+  return stages.filter((stage) => stage !== "vessels" || job.inputs.vessels !== undefined);
+}
+
 function Underway({ job, assets }: { job: Job; assets: ReadonlyMap<string, Asset> }) {
   const kinds = useQuery(kindsQuery);
   const kind = kinds.data?.find(({ name }) => name === job.kind);
   return (
     <Aside job={job} assets={assets}>
       <Paper p="lg">
-        {kind && <StagePath stages={kind.stages} current={job.state === "queued" ? "" : job.stage} />}
+        {kind && <StagePath stages={stagesOf(job, kind.stages)} current={job.state === "queued" ? "" : job.stage} />}
         <Group justify="space-between" mb={6} wrap="nowrap">
           <Text size="sm" truncate aria-live="polite">
             {job.state === "queued"

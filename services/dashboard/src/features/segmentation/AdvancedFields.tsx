@@ -7,7 +7,7 @@ const POLARITIES: { value: Choices["polarity"]; label: string }[] = [
   { value: "dark", label: "Dark" },
 ];
 const BLEEDINGS: { value: Choices["microhemorrhages"]; label: string }[] = [
-  { value: "auto", label: "Dark where vessels are dark, else not looked for" },
+  { value: "auto", label: "Dark, where vessels are" },
   { value: "dark", label: "Dark" },
   { value: "bright", label: "Bright" },
   { value: "off", label: "Not looked for" },
@@ -27,7 +27,11 @@ export function AdvancedFields({ choices, problems, withVessels, onChange }: Adv
     <Stack gap="md">
       <Textarea
         label="Seed points"
-        description="RAS millimetres, one point to a line. Empty: seeds are found automatically."
+        description={
+          choices.mode === "object"
+            ? "Points in the objects, RAS millimetres, one point to a line."
+            : "RAS millimetres, one point to a line. Empty: seeds are found automatically."
+        }
         placeholder="12.5, -30, 41"
         autosize
         minRows={2}

@@ -1,4 +1,5 @@
 import { Group, Progress, Table, Text, UnstyledButton } from "@mantine/core";
+import { Fragment } from "react";
 import { area, integer, percent, volume } from "@/format/format";
 import type { SegmentedObject } from "./params";
 import classes from "./segmentation.module.css";
@@ -26,40 +27,46 @@ export function ObjectTable({ objects, mode, chosen, onChoose }: ObjectTableProp
         </Table.Thead>
         <Table.Tbody>
           {objects.map((object) => (
-            <Table.Tr
-              key={object.label}
-              data-chosen={object.label === chosen || undefined}
-              className={classes.object ?? ""}
-            >
-              <Table.Td>
-                <UnstyledButton
-                  className={classes.pick ?? ""}
-                  aria-pressed={object.label === chosen}
-                  onClick={() => onChoose(object.label === chosen ? null : object.label)}
-                >
-                  Object {object.label}
-                </UnstyledButton>
-              </Table.Td>
-              <Table.Td ta="right">{volume(object.volume_mm3)}</Table.Td>
-              <Table.Td ta="right">{volume(object.core_volume_mm3)}</Table.Td>
-              <Table.Td ta="right">{area(object.area_mm2)}</Table.Td>
-              <Table.Td>
-                <Group gap="xs" wrap="nowrap">
-                  <Progress value={object.confidence * 100} size="sm" flex={1} aria-label="Confidence" />
-                  <Text size="sm">{percent(object.confidence)}</Text>
-                </Group>
-              </Table.Td>
-              <Table.Td>
-                <Text size="xs" c="dimmed">
-                  {meshNote(object)}
-                </Text>
-                {object.notes?.map((note) => (
-                  <Text key={note} size="xs" maw={340} mt={2}>
-                    {note}
+            <Fragment key={object.label}>
+              <Table.Tr data-chosen={object.label === chosen || undefined} className={classes.object ?? ""}>
+                <Table.Td>
+                  <UnstyledButton
+                    className={classes.pick ?? ""}
+                    aria-pressed={object.label === chosen}
+                    onClick={() => onChoose(object.label === chosen ? null : object.label)}
+                  >
+                    Object {object.label}
+                  </UnstyledButton>
+                </Table.Td>
+                <Table.Td ta="right">{volume(object.volume_mm3)}</Table.Td>
+                <Table.Td ta="right">{volume(object.core_volume_mm3)}</Table.Td>
+                <Table.Td ta="right">{area(object.area_mm2)}</Table.Td>
+                <Table.Td>
+                  <Group gap="xs" wrap="nowrap">
+                    <Progress value={object.confidence * 100} size="sm" flex={1} aria-label="Confidence" />
+                    <Text size="sm">{percent(object.confidence)}</Text>
+                  </Group>
+                </Table.Td>
+                <Table.Td>
+                  <Text size="xs" c="dimmed">
+                    {meshNote(object)}
                   </Text>
-                ))}
-              </Table.Td>
-            </Table.Tr>
+                </Table.Td>
+              </Table.Tr>
+              {object.notes?.map((note) => (
+                <Table.Tr
+                  key={note}
+                  data-chosen={object.label === chosen || undefined}
+                  className={classes.object ?? ""}
+                >
+                  <Table.Td colSpan={6} pt={0}>
+                    <Text size="xs" c="dimmed">
+                      {note}
+                    </Text>
+                  </Table.Td>
+                </Table.Tr>
+              ))}
+            </Fragment>
           ))}
         </Table.Tbody>
       </Table>

@@ -39,7 +39,7 @@ export function VesselTable({ result, chosen, onChoose }: VesselTableProps) {
               <Table.Th>Vessel</Table.Th>
               <Table.Th ta="right">Length</Table.Th>
               <Table.Th ta="right">Mean radius</Table.Th>
-              <Table.Th ta="right">Thinnest, thickest</Table.Th>
+              <Table.Th ta="right">Radius range</Table.Th>
               <Table.Th ta="right">Branches</Table.Th>
               <Table.Th ta="right">Forks</Table.Th>
               <Table.Th ta="right">Volume</Table.Th>
@@ -62,7 +62,7 @@ export function VesselTable({ result, chosen, onChoose }: VesselTableProps) {
                   </Table.Td>
                   <Table.Td ta="right">{millimetres(vessel.length_mm)}</Table.Td>
                   <Table.Td ta="right">{millimetres(vessel.mean_radius_mm)}</Table.Td>
-                  <Table.Td ta="right">
+                  <Table.Td ta="right" style={{ whiteSpace: "nowrap" }}>
                     {significant(vessel.least_radius_mm, 3)} – {millimetres(vessel.largest_radius_mm)}
                   </Table.Td>
                   <Table.Td ta="right">{integer(vessel.branches)}</Table.Td>
