@@ -291,6 +291,8 @@ def test_the_sdk_and_the_command_line_say_the_same(bench: Bench, tmp_path: Path)
         assert "guest" in found
         (told,) = json.loads(shapery("index", mesh, "--collection", "sdk", "--label", "by:index", "--json"))
         assert told == {"name": "guest.obj", "indexed": True, "error": None}
+        (told,) = json.loads(shapery("index", mesh, "--collection", "sdk", "--json"))
+        assert told == {"name": "guest.obj", "indexed": False, "error": None}, "it is there already"
         (indexed,) = client.shapes(collection="sdk", labels={"by": "index"})
         client.delete_shape(indexed.id)
         assert "sdk" in shapery("collections", "list")

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable, Sequence
+from http import HTTPStatus
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from uuid import UUID
 
+from shapery_client._errors import ApiError
 from shapery_client.cli._output import transfer_bar
 from shapery_contracts.api import BatchEvent, BatchItem
 from shapery_contracts.errors import InvalidInput
@@ -29,11 +32,16 @@ def index_on_server(
     labels: dict[str, str],
     on_progress: Callable[[float, str], None],
 ) -> list[Outcome]:
-    """Upload files, index them as batches, and return for each its name, whether it was indexed, and the error."""
-    files = mesh_files(paths)
+    """Upload files, index them as batches, and return for each its name, whether it was indexed, and the error.
+
+    A mesh of which the collection has a shape already, of the same name and the same bytes, is passed over.
+    """
+    everything = mesh_files(paths)
+    there = _already_there(client, everything, collection)
+    files = [path for path in everything if path not in there]
     params = {"collection": collection, "labels": labels}
     batches: list[tuple[UUID, Sequence[Path]]] = []
-    outcomes: list[Outcome] = []
+    outcomes: list[Outcome] = [{"name": path.name, "indexed": False, "error": None} for path in there]
     for begin in range(0, len(files), _AT_ONCE):
         some = files[begin : begin + _AT_ONCE]
         items = [
@@ -60,6 +68,32 @@ def index_on_server(
                 }
             )
     return outcomes
+
+
+def _already_there(client: Client, files: Sequence[Path], collection: str) -> list[Path]:
+    """Return the files that shapes of a collection were made of by this index version."""
+    names = {path.name for path in files}
+    known: dict[str, list[UUID]] = {}
+    for shape in client.shapes(collection=collection):
+        if shape.name in names and not shape.outdated:
+            known.setdefault(shape.name, []).append(shape.asset_id)
+    found = []
+    for path in files:
+        if path.name in known:
+            content = hashlib.sha256(path.read_bytes()).hexdigest()
+            if any(_hash_of(client, asset) == content for asset in known[path.name]):
+                found.append(path)
+    return found
+
+
+def _hash_of(client: Client, asset: UUID) -> str | None:
+    """Return the hash of an asset, or None where it was deleted."""
+    try:
+        return client.asset(asset).sha256
+    except ApiError as error:
+        if error.status == HTTPStatus.NOT_FOUND:
+            return None
+        raise
 
 
 def search_on_server(client: Client, query: str, **request: Any) -> SearchAnswer:

@@ -39,7 +39,7 @@ def index(
 ) -> None:
     """Describe meshes by their graphs and put them into a bank. What is in it already, unchanged, is passed over.
 
-    With --server each becomes a shape of a collection, also where there is one of the same mesh.
+    With --server each becomes a shape of a collection; there a shape of the same name and bytes is what is passed over.
     """
     if bank is None:
         with (
