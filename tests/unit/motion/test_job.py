@@ -21,6 +21,7 @@ from shapery_contracts.errors import InvalidInput
 from shapery_geometry.sequence import read_sequence, write_sequence_npz
 from shapery_motion import decode
 from shapery_motion.container.connectivity import sorted_faces
+from tests.conftest import ROOT
 from tests.support.motions import waving
 
 FRAMES, FACES = waving(9, 10, 12)
@@ -142,6 +143,13 @@ def test_an_animated_scene_shows_every_frame_at_its_time(encoded: Path, tmp_path
         assert np.allclose(array(index).min(axis=0), accessor["min"])
         assert np.allclose(array(index).max(axis=0), accessor["max"])
     assert array(primitive["indices"]).max() == 89
+
+
+def test_the_scene_that_three_loads_is_what_is_written(tmp_path: Path) -> None:
+    """The dashboard's tests load this very file in three, and hold its animation against the decoded frames."""
+    golden = ROOT / "services" / "dashboard" / "tests" / "golden"
+    run_locally("motion-decode", {"motion": golden / "trajectory-1.1.smc"}, {"format": "glb"}, tmp_path, nothing)
+    assert (tmp_path / "motion.glb").read_bytes() == (golden / "trajectory-1.1.glb").read_bytes()
 
 
 def test_a_range_without_frames_is_refused(encoded: Path, tmp_path: Path) -> None:

@@ -219,7 +219,7 @@ def find_clusters(
     if start == 1:
         return [np.zeros(n, dtype=np.int64)]
     points = reduced(trajectories.reshape(n, -1)) / step
-    labels = regroup(points, graph, spread_out(points, start), coherence=200.0, rounds=6)
+    labels = regroup(points, graph, spread_out(points, start), coherence=200.0, rounds=6 if thorough else 3)
     if count is not None:
         return [labels]
     found: list[IntArray] = []

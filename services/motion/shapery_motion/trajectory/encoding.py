@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
@@ -27,7 +28,9 @@ TRADE: Final = 0.08
 GRID: Final = 4
 """Frames between places where a run may begin, or a multiple of it in long groups."""
 PLACES: Final = 32
-"""How many such places there are at the most."""
+"""How many such places are compared in all ways at the most."""
+MODES: Final = 16
+"""By how many modes they are compared."""
 RUN_BITS: Final = 8.0
 """What a further run costs by itself."""
 
@@ -96,7 +99,9 @@ def principal_modes(trajectories: FloatArray, step: float) -> tuple[FloatArray, 
     return energies[:rank].copy(), modes
 
 
-def prepare(trajectories: FloatArray, graph: VertexGraph, labels: IntArray, step: float, *, cut: bool) -> list[Cluster]:
+def prepare(
+    trajectories: FloatArray, graph: VertexGraph, labels: IntArray, step: float, *, thorough: bool
+) -> list[Cluster]:
     """Find the modes and the runs of each cluster.
 
     Parameters
@@ -109,8 +114,8 @@ def prepare(trajectories: FloatArray, graph: VertexGraph, labels: IntArray, step
         Clusters from 0 without gaps.
     step
         About the step that will be used.
-    cut
-        Whether runs are sought; else all frames make one run.
+    thorough
+        Whether to take time for the runs.
     """
     n, frames, _ = trajectories.shape
     scratch = np.full(n, -1, dtype=np.int64)
@@ -123,7 +128,7 @@ def prepare(trajectories: FloatArray, graph: VertexGraph, labels: IntArray, step
         energies, modes = principal_modes(own.reshape(len(members), -1), step)
         functions = modes.reshape(len(modes), frames, 3).transpose(1, 0, 2)
         amplitudes = functions * (np.sqrt(energies) / step)[:, None]
-        cuts = best_cuts(amplitudes) if cut else np.array([0, frames], dtype=np.int64)
+        cuts = best_cuts(amplitudes, thorough=thorough)
         coefficients = in_runs(functions, cuts).transpose(1, 0, 2).reshape(len(modes), -1)
         transformed = in_runs(own.transpose(1, 0, 2), cuts).transpose(1, 0, 2).reshape(len(members), -1)
         border = Border.of_members(graph, members, labels, local)
@@ -131,29 +136,68 @@ def prepare(trajectories: FloatArray, graph: VertexGraph, labels: IntArray, step
     return clusters
 
 
-def best_cuts(amplitudes: FloatArray, *, most_modes: int = 16) -> IntArray:
+def best_cuts(amplitudes: FloatArray, *, thorough: bool) -> IntArray:
     """Return where runs should begin, so that the cosine coefficients of (F, r, 3) functions, in steps, cost least.
 
-    All ways to cut on a grid are compared (dynamic programming).
+    All ways to cut on a coarse grid are compared (dynamic programming). If `thorough`, runs are then split further on
+    a finer one as long as that pays, and cuts are moved to where they cost least.
     """
     frames = len(amplitudes)
-    values = np.ascontiguousarray(amplitudes[:, :most_modes].reshape(frames, -1))
-    grid = GRID * -(-frames // (GRID * PLACES))
-    places = [*range(0, frames - grid + 1, grid), frames]
-    if values.size == 0 or len(places) < 3:
+    values = np.ascontiguousarray(amplitudes[:, :MODES].reshape(frames, -1))
+    if values.size == 0 or frames < 2 * GRID:
         return np.array([0, frames], dtype=np.int64)
+    known: dict[tuple[int, int], float] = {}
+
+    def cost(first: int, stop: int) -> float:
+        if (first, stop) not in known:
+            run = dct(values[first:stop], axis=0, norm="ortho")
+            known[first, stop] = RUN_BITS + float(np.log2(1.0 + 2.0 * np.abs(run)).sum())
+        return known[first, stop]
+
+    cuts = _cuts_on_grid(cost, frames, GRID * -(-frames // (GRID * PLACES)))
+    if thorough:
+        cuts = _moved(cost, _split(cost, cuts))
+    return np.array(cuts, dtype=np.int64)
+
+
+def _cuts_on_grid(cost: Callable[[int, int], float], frames: int, grid: int) -> list[int]:
+    places = [*range(0, frames - grid + 1, grid), frames]
+    if len(places) < 3:
+        return [0, frames]
     least, before = [0.0], [0]
     for stop in range(1, len(places)):
-        costs = []
-        for first in range(stop):
-            run = dct(values[places[first] : places[stop]], axis=0, norm="ortho")
-            costs.append(least[first] + RUN_BITS + float(np.log2(1.0 + 2.0 * np.abs(run)).sum()))
+        costs = [least[first] + cost(places[first], places[stop]) for first in range(stop)]
         before.append(int(np.argmin(costs)))
         least.append(costs[before[-1]])
     cuts = [len(places) - 1]
     while cuts[-1]:
         cuts.append(before[cuts[-1]])
-    return np.array([places[cut] for cut in reversed(cuts)], dtype=np.int64)
+    return [places[cut] for cut in reversed(cuts)]
+
+
+def _split(cost: Callable[[int, int], float], cuts: list[int]) -> list[int]:
+    done = [0]
+    waiting = list(itertools.pairwise(cuts))
+    while waiting:
+        first, stop = waiting.pop()
+        best, place = cost(first, stop), 0
+        for at in range(first + GRID, stop - GRID + 1, GRID):
+            both = cost(first, at) + cost(at, stop)
+            if both < best:
+                best, place = both, at
+        if place:
+            waiting += [(first, place), (place, stop)]
+        else:
+            done.append(stop)
+    return sorted(done)
+
+
+def _moved(cost: Callable[[int, int], float], cuts: list[int]) -> list[int]:
+    for k in range(1, len(cuts) - 1):
+        first, stop = cuts[k - 1], cuts[k + 1]
+        near = range(max(first + 2, cuts[k] - 2 * GRID), min(stop - 1, cuts[k] + 2 * GRID + 1), 2)
+        cuts[k] = min([cuts[k], *near], key=lambda at: cost(first, at) + cost(at, stop))
+    return cuts
 
 
 def encode_at(

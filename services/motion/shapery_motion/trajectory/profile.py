@@ -17,7 +17,7 @@ from shapery_motion.profiles import EncodedGroup, GroupTask
 from shapery_motion.trajectory import _frame_kernels as kernels
 from shapery_motion.trajectory.borders import Border, DecodedCluster, in_rows, numbers_within
 from shapery_motion.trajectory.clustering import find_clusters
-from shapery_motion.trajectory.encoding import Encoded, encode_at, prepare
+from shapery_motion.trajectory.encoding import Cluster, Encoded, encode_at, prepare
 from shapery_motion.trajectory.model import BASES, FIELDS, FIRST_FIELDS, MODEL, GroupModel
 from shapery_motion.trajectory.streams import BasisStream, FieldStream, PairingTree
 
@@ -35,7 +35,9 @@ COARSER: Final = (1.6, 2.5, 5.0)
 """Steps beside the one that is used, in its units, at which the report tells rate and error."""
 PASSES: Final = 8
 NEAR: Final = 0.993
-"""Share of the allowed squared error that is used up at least before the search for the step ends."""
+NEAR_ENOUGH: Final = 0.97
+"""Share of the allowed squared error that is used up at least before the search for the step ends, when there is time
+and when there is none."""
 
 
 def encode_group(task: GroupTask) -> EncodedGroup:
@@ -58,19 +60,22 @@ def encode_group(task: GroupTask) -> EncodedGroup:
         step = about_the_step(trajectories, graph, step, target, offset=offset, sources=sources)
     ways = find_clusters(trajectories, graph, step, count=task.clusters, thorough=thorough)
     task.on_progress(0.2)
-    least, labels = math.inf, ways[0]
-    for number, way in enumerate(ways if len(ways) > 1 else ()):
+    least = math.inf
+    clusters: list[Cluster] = []
+    for number, way in enumerate(ways):
         task.check_cancelled()
-        made = encode_at(
-            prepare(trajectories, graph, way, step, cut=False), graph, step, offset=offset, sources=sources
-        )
-        # sizes at equal errors, as far as rates follow a power of the error
-        size = made.size * (made.squared_error / target) ** SLOPE
-        if size < least:
-            labels, least = way, size
-        task.on_progress(0.2 + 0.15 * (number + 1) / len(ways))
-    clusters = prepare(trajectories, graph, labels, step, cut=thorough and len(kept) > 1)
+        prepared = prepare(trajectories, graph, way, step, thorough=thorough)
+        if len(ways) > 1:
+            made = encode_at(prepared, graph, step, offset=offset, sources=sources)
+            # sizes at equal errors, as far as rates follow a power of the error
+            size = made.size * (made.squared_error / target) ** SLOPE
+            if size >= least:
+                continue
+            least = size
+        clusters = prepared
+        task.on_progress(0.2 + 0.2 * (number + 1) / len(ways))
     task.on_progress(0.4)
+    near = NEAR if thorough else NEAR_ENOUGH
     best: Encoded | None = None
     low, high = 0.0, math.inf
     slope, tried = 1.8, (0.0, 0.0)
@@ -82,7 +87,7 @@ def encode_group(task: GroupTask) -> EncodedGroup:
             if best is None or made.size < best.size:
                 best = made
             low = max(low, step)
-            if ratio >= NEAR:
+            if ratio >= near:
                 break
         else:
             high = min(high, step)
@@ -91,7 +96,7 @@ def encode_group(task: GroupTask) -> EncodedGroup:
         if number and here[0] != tried[0]:
             slope = min(max((here[1] - tried[1]) / (here[0] - tried[0]), 0.7), 2.5)
         tried = here
-        guess = step * ((0.5 + 0.5 * NEAR) / max(ratio, 1e-9)) ** (1.0 / slope)
+        guess = step * ((0.5 + 0.5 * near) / max(ratio, 1e-9)) ** (1.0 / slope)
         step = guess if low < guess < high else math.sqrt(max(low, guess / 4) * min(high, guess * 4))
         task.on_progress(0.4 + 0.6 * (number + 1) / PASSES)
     if best is None:
@@ -123,7 +128,7 @@ def about_the_step(
     for _ in range(2):
         labels = find_clusters(trajectories, graph, step, count=None, thorough=False)[0]
         made = encode_at(
-            prepare(trajectories, graph, labels, step, cut=False), graph, step, offset=offset, sources=sources
+            prepare(trajectories, graph, labels, step, thorough=False), graph, step, offset=offset, sources=sources
         )
         step *= min(max((target / max(made.squared_error, 1e-300)) ** (1.0 / 1.8), 0.2), 5.0)
     return step

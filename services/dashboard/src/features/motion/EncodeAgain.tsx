@@ -42,13 +42,14 @@ export function EncodeAgain({ job, met, curve, pairs, onPoint }: EncodeAgainProp
       <Title order={3} id="again">
         Another quality
       </Title>
-      <Text size="sm" mt="xs" id="again-kg">
+      <Text size="sm" mt="xs">
         KG error up to <b>{significant(kg, 2)} %</b>
       </Text>
       <Slider
         mt={4}
         mb="xl"
-        thumbProps={{ "aria-labelledby": "again-kg", "aria-valuetext": `${significant(kg, 2)} %` }}
+        thumbLabel="KG error"
+        thumbValueText={(value) => `${significant(toKg(value), 2)} %`}
         label={null}
         min={0}
         max={LAST}

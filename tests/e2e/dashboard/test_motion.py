@@ -1,0 +1,201 @@
+"""The page of a compressed motion: plays what was encoded, beside its original, with its errors."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import httpx
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from shapery_geometry.sequence import write_sequence_npz
+from tests.e2e.dashboard.conftest import READY, OpenPage
+from tests.e2e.dashboard.test_accessibility import AXE, overflow, serious
+from tests.support.browser import picture
+
+pytestmark = [pytest.mark.server, pytest.mark.browser]
+
+ROWS, COLUMNS, FRAMES = 100, 100, 24
+
+
+def wandering_ball() -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+    """A ball of 10,000 vertices that is dented as it goes from the left to the right."""
+    polar, around = np.meshgrid(np.linspace(0.02, np.pi - 0.02, ROWS), np.arange(COLUMNS) * 2 * np.pi / COLUMNS)
+    polar, around = polar.T.reshape(-1), around.T.reshape(-1)
+    ball = np.stack((np.sin(polar) * np.cos(around), np.cos(polar), np.sin(polar) * np.sin(around)), axis=1)
+    t = np.arange(FRAMES)[:, None] / (FRAMES - 1)
+    size = 1 + 0.12 * np.sin(5 * polar + 6 * t) * np.cos(3 * around - 4 * t)
+    frames = ball * size[..., None] + np.array([6.0, 0, 0]) * t[..., None]
+    at = (np.arange(ROWS - 1)[:, None] * COLUMNS + np.arange(COLUMNS)).reshape(-1)
+    beside = (np.arange(ROWS - 1)[:, None] * COLUMNS + (np.arange(COLUMNS) + 1) % COLUMNS).reshape(-1)
+    faces = np.concatenate(
+        (np.stack((at, beside, at + COLUMNS), axis=1), np.stack((beside, beside + COLUMNS, at + COLUMNS), axis=1))
+    )
+    return frames.astype(np.float32), faces.astype(np.int32)
+
+
+@pytest.fixture(scope="module")
+def encoded(chrome: Any, api: httpx.Client, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    frames, faces = wandering_ball()
+    path = tmp_path_factory.mktemp("motion") / "ball.npz"
+    write_sequence_npz(path, frames, faces, shape=frames.shape[:2])
+    asset = api.post("/v1/assets", files={"file": (path.name, path.read_bytes())}, timeout=120)
+    asset.raise_for_status()
+    params = {"kg": 0.5, "preset": "fast", "fps": 30}
+    job = api.post(
+        "/v1/jobs", json={"kind": "motion-encode", "inputs": {"sequence": asset.json()["id"]}, "params": params}
+    )
+    job.raise_for_status()
+    found = job.json()
+    deadline = time.monotonic() + 300
+    while found["state"] in {"queued", "running"}:
+        assert time.monotonic() < deadline
+        time.sleep(0.3)
+        found = api.get(f"/v1/jobs/{found['id']}").json()
+    assert found["state"] == "succeeded", found
+    return dict(found)
+
+
+def until(true: Callable[[], bool]) -> None:
+    deadline = time.monotonic() + READY / 1000
+    while not true():
+        assert time.monotonic() < deadline
+        time.sleep(0.1)
+
+
+def canvas(page: Any) -> Any:
+    found = page.get_by_test_id("motion")
+    found.wait_for()
+    until(lambda: bool(lit(picture(found)).any()))
+    return found
+
+
+def lit(pixels: NDArray[np.uint8]) -> NDArray[np.bool_]:
+    """Where the mesh is: not black, and not what lies over the drawing at its edges."""
+    inside = np.zeros(pixels.shape[:2], dtype=bool)
+    inside[70:-70, 5:-5] = True
+    return np.asarray((pixels.max(axis=2) > 30) & inside)
+
+
+def choose(page: Any, group: str, name: str) -> None:
+    page.get_by_role("radiogroup", name=group).get_by_text(name, exact=True).click()
+
+
+def test_frames_are_where_they_should_be(open_page: OpenPage, encoded: dict[str, Any]) -> None:
+    page = open_page(f"/jobs/{encoded['id']}")
+    drawing = canvas(page)
+    assert page.get_by_test_id("frame").inner_text() == f"1 / {FRAMES}"
+    first = lit(picture(drawing))
+    rows, columns = np.nonzero(first)
+    # a ball: as wide as high, and filled
+    height, width = np.ptp(rows), np.ptp(columns)
+    assert 0.7 < width / height < 1.4
+    assert first.sum() > 0.6 * height * width
+    slider = page.get_by_role("slider", name="Frame")
+    slider.focus()
+    for _ in range(4):
+        slider.press("ArrowRight")
+    page.get_by_text(f"5 / {FRAMES}").wait_for()
+    until(lambda: float(np.nonzero(lit(picture(drawing)))[1].mean()) > columns.mean() + 0.15 * width)
+
+
+def test_the_original_stands_beside_and_over_it(open_page: OpenPage, encoded: dict[str, Any]) -> None:
+    page = open_page(f"/jobs/{encoded['id']}")
+    drawing = canvas(page)
+    alone = lit(picture(drawing)).sum()
+    choose(page, "What is shown", "Side by side")
+    page.get_by_text("Original", exact=True).last.wait_for()
+
+    def halves() -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        mask = lit(picture(drawing))
+        middle = mask.shape[1] // 2
+        return mask[:, :middle], mask[:, middle : 2 * middle]
+
+    # the same body twice, seen from the same side
+    until(lambda: all(half.any() for half in halves()))
+    left, right = halves()
+    assert (left & right).sum() > 0.9 * (left | right).sum()
+    choose(page, "What is shown", "Overlaid")
+
+    def orange() -> int:
+        pixels = picture(drawing).astype(int)
+        mask = lit(pixels.astype(np.uint8))
+        return int((mask & (pixels[..., 0] > pixels[..., 2] + 40)).sum())
+
+    until(lambda: orange() > 0.05 * alone)
+
+
+def test_errors_and_clusters_are_seen_as_colors(open_page: OpenPage, encoded: dict[str, Any]) -> None:
+    page = open_page(f"/jobs/{encoded['id']}")
+    drawing = canvas(page)
+
+    def hues() -> int:
+        pixels = picture(drawing)
+        colors = pixels[lit(pixels)].astype(float)
+        return len(np.unique(np.rint(6 * colors / colors.max(axis=1, keepdims=True)), axis=0))
+
+    plain = hues()
+    choose(page, "Color", "Error")
+    legend = page.get_by_role("figure", name="Error by color")
+    legend.wait_for()
+    assert "RMS" in legend.inner_text()
+    until(lambda: hues() > 2 * plain)
+    if encoded["result"]["clusters"] > 1:
+        choose(page, "Color", "Clusters")
+        legend.wait_for(state="detached")
+        until(lambda: hues() > plain)
+
+
+def test_it_plays(open_page: OpenPage, encoded: dict[str, Any], record_property: Callable[[str, object], None]) -> None:
+    page = open_page(f"/jobs/{encoded['id']}")
+    canvas(page)
+    page.evaluate(
+        """() => {
+            window.shown = [];
+            const at = document.querySelector("[data-testid=frame]");
+            new MutationObserver(() => window.shown.push([performance.now(), at.textContent]))
+                .observe(at, { characterData: true, childList: true, subtree: true });
+        }"""
+    )
+    page.get_by_role("button", name="Play").click()
+    until(lambda: page.evaluate("window.shown.length") > 2 * FRAMES)
+    page.get_by_role("button", name="Pause").click()
+    shown = page.evaluate("window.shown")
+    record_property("frames_per_second", (len(shown) - 1) / ((shown[-1][0] - shown[0][0]) / 1000))
+    assert len({text for _, text in shown}) > FRAMES / 3
+
+
+def test_another_quality_is_a_new_job(open_page: OpenPage, encoded: dict[str, Any], api: httpx.Client) -> None:
+    page = open_page(f"/jobs/{encoded['id']}")
+    again = page.get_by_role("region", name="Another quality")
+    again.scroll_into_view_if_needed()
+    slider = again.get_by_role("slider")
+    slider.focus()
+    slider.press("End")
+    assert slider.get_attribute("aria-valuetext") == "1 %"
+    again.get_by_role("button", name="Compress again").click()
+    page.wait_for_url(lambda url: encoded["id"] not in url)
+    started = api.get(f"/v1/jobs/{page.url.rsplit('/', 1)[1]}").json()
+    assert started["inputs"] == encoded["inputs"]
+    assert started["params"]["kg"] == 1
+    assert started["params"]["preset"] == "fast"
+
+
+@pytest.mark.parametrize(("scheme", "size"), [("light", (1280, 720)), ("dark", (820, 1180))])
+def test_the_page_is_open_to_everyone(
+    open_page: OpenPage, encoded: dict[str, Any], scheme: str, size: tuple[int, int], tmp_path: Path
+) -> None:
+    if not AXE.is_file():
+        pytest.skip("axe-core is not installed (npm ci in services/dashboard)")
+    page = open_page(f"/jobs/{encoded['id']}", color_scheme=scheme)
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+    canvas(page)
+    choose(page, "Color", "Error")
+    page.get_by_role("figure", name="Error by color").wait_for()
+    assert serious(page, AXE.read_text()) == []
+    assert overflow(page) <= 0
+    page.screenshot(path=tmp_path / "page.png", full_page=True)
