@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.retrieval.costs import index_profile, query_cost
-from benchmarks.retrieval.features import Features, features_of
+from benchmarks.retrieval.features import Features, features_of, part_of
 from benchmarks.retrieval.growth import candidate_growth, growth
 from benchmarks.retrieval.measures import class_matrix, measure, per_query, precision_recall, relevance
 from benchmarks.retrieval.plots import draw_class_matrix, draw_precision_recall
@@ -23,7 +23,6 @@ from benchmarks.retrieval.variants import VARIANTS, cropped
 from shapery_contracts.errors import UserError
 from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.mesh_io import read_mesh
-from shapery_retrieval.describe import describe
 from shapery_retrieval.search import Searcher
 from shapery_retrieval.warm import warm
 
@@ -102,10 +101,8 @@ def partial_queries(features: list[Features], labels: np.ndarray, numbers: list[
     for share in (0.7, 0.5, 0.3):
         relevant = []
         for number in chosen:
-            found = describe(cropped(share)(mesh_of(number), np.random.default_rng(number)))
-            answer = searcher.search(
-                found.arg, limit=len(bank), exclude=str(number), partial=True, hypotheses=found.hypotheses()
-            )
+            arg, hypotheses = part_of(cropped(share)(mesh_of(number), np.random.default_rng(number)))
+            answer = searcher.search(arg, limit=len(bank), exclude=str(number), partial=True, hypotheses=hypotheses)
             relevant.append([label_of[hit.shape_id] == label_of[str(number)] for hit in answer.hits])
         measured = per_query(np.array(relevant))
         rows[f"{share:.0%} of the surface"] = {key: float(values.mean()) for key, values in measured.items()}

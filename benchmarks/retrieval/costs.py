@@ -12,6 +12,7 @@ from shapery_geometry.mesh import TriangleMesh
 from shapery_retrieval.decompose import decompose
 from shapery_retrieval.nodes import build_levels
 from shapery_retrieval.normalise import normalise
+from shapery_retrieval.patches import LocalSurface
 from shapery_retrieval.search import Searcher
 from shapery_retrieval.signals import compute_signals
 from shapery_retrieval.whole import whole_descriptors
@@ -19,7 +20,7 @@ from shapery_retrieval.whole import whole_descriptors
 
 def index_profile(meshes: Sequence[TriangleMesh]) -> dict[str, float]:
     """Return the mean CPU seconds of each stage of indexing a mesh."""
-    total = dict.fromkeys(("normalise", "signals", "decompose", "describe parts", "views and whole"), 0.0)
+    total = dict.fromkeys(("normalise", "signals", "decompose", "describe parts", "views and whole", "patches"), 0.0)
     for mesh in meshes:
         at = [time.process_time()]
         normalised = normalise(mesh)
@@ -31,6 +32,8 @@ def index_profile(meshes: Sequence[TriangleMesh]) -> dict[str, float]:
         build_levels(signals, decomposition, normalised.mesh.edges)
         at.append(time.process_time())
         whole_descriptors(normalised.mesh, signals)
+        at.append(time.process_time())
+        LocalSurface(normalised, signals, decomposition.samples).described(1.0)
         at.append(time.process_time())
         for name, seconds in zip(total, np.diff(at), strict=True):
             total[name] += float(seconds) / len(meshes)

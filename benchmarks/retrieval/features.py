@@ -18,6 +18,7 @@ from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.operators.sampling import sample_surface
 from shapery_retrieval.arg import Arg
 from shapery_retrieval.describe import describe
+from shapery_retrieval.patches import SHARES, Patches
 
 CACHE = Path(os.environ.get("SHAPERY_BENCH_CACHE", Path(tempfile.gettempdir()) / "shapery-bench"))
 _ROOT = Path(__file__).resolve().parents[2]
@@ -77,6 +78,26 @@ def features_of(name: str, mesh: TriangleMesh) -> Features:
     with np.load(path, allow_pickle=False) as stored:
         arg = Arg.from_bytes(stored["arg"].tobytes())
         return Features(arg, stored["eigenvalues"], stored["d2"], float(stored["cpu_seconds"]))
+
+
+def part_of(mesh: TriangleMesh) -> tuple[Arg, list[Patches]]:
+    """Return the graph of a part and what it may be, from the cache where its content was seen before."""
+    content = hashlib.sha256(mesh.vertices.tobytes() + mesh.faces.tobytes()).hexdigest()[:20]
+    path = CACHE / _DIGEST / f"part-{content}.npz"
+    if not path.exists():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        found = describe(mesh)
+        arrays = {
+            f"{name}{number}": values
+            for number, patches in enumerate(found.hypotheses())
+            for name, values in (("masses", patches.masses), ("features", patches.features))
+        }
+        part = path.with_suffix(f".{os.getpid()}.npz")
+        np.savez(part, arg=np.frombuffer(found.arg.to_bytes(), dtype=np.uint8), **arrays)
+        part.replace(path)
+    with np.load(path, allow_pickle=False) as stored:
+        hypotheses = [Patches(stored[f"masses{k}"], stored[f"features{k}"]) for k in range(len(SHARES))]
+        return Arg.from_bytes(stored["arg"].tobytes()), hypotheses
 
 
 def save(path: Path, arg: Arg, eigenvalues: NDArray[np.float64], mesh: TriangleMesh, seconds: float) -> None:

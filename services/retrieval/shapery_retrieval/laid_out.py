@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +18,7 @@ from shapery_retrieval.search import Searcher
 
 MOST_BANKS = 4
 MOST_GRAPHS = 8192
-"""About 36 kB each."""
+"""About 45 kB each, with the bytes that they were read from."""
 
 
 class GoneError(Exception):
@@ -27,6 +29,18 @@ class GoneError(Exception):
         self.ids = ids
 
 
+@dataclass(eq=False)
+class _Laid:
+    """A graph, laid out; its patches are when they are first asked for."""
+
+    levels: tuple[PackedLevel, ...]
+    arg: Arg
+
+    @cached_property
+    def patches(self) -> Patches:
+        return patches_of(self.arg)
+
+
 class Searchers:
     """What was read of banks: graphs, laid out, by the ids of their shapes, and what is known of neighbourhoods.
 
@@ -35,7 +49,7 @@ class Searchers:
     """
 
     def __init__(self) -> None:
-        self._graphs: OrderedDict[str, tuple[tuple[PackedLevel, ...], Patches]] = OrderedDict()
+        self._graphs: OrderedDict[str, _Laid] = OrderedDict()
         self._scales: OrderedDict[tuple[str, ...], dict[str, NDArray[np.float64]]] = OrderedDict()
 
     def over(self, bank: ShapeBank, near: Sequence[Candidate], version: int = INDEX_VERSION) -> Searcher:
@@ -53,18 +67,20 @@ class Searchers:
             self._scales.popitem(last=False)
 
         def lay(places: NDArray[np.int64]) -> tuple[PackedLevel, ...]:
-            return joined([levels for levels, _ in self._laid(bank, [ids[place] for place in places.tolist()])])
+            return joined([laid.levels for laid in self._laid(bank, [ids[place] for place in places.tolist()])])
 
         def lay_patches(places: NDArray[np.int64]) -> list[Patches]:
-            return [patches for _, patches in self._laid(bank, [ids[place] for place in places.tolist()])]
+            return [laid.patches for laid in self._laid(bank, [ids[place] for place in places.tolist()])]
 
         return Searcher(ids, vectors.reshape(len(ids), VECTOR_DIMENSION), lay, lay_patches, version, scales)
 
-    def _laid(self, bank: ShapeBank, ids: Sequence[str]) -> list[tuple[tuple[PackedLevel, ...], Patches]]:
+    def _laid(self, bank: ShapeBank, ids: Sequence[str]) -> list[_Laid]:
         missing = [shape_id for shape_id in ids if shape_id not in self._graphs]
-        for shape_id, data in bank.args(missing).items() if missing else ():
-            arg = Arg.from_bytes(data)
-            self._graphs[shape_id] = pack_levels([arg]), patches_of(arg)
+        read = bank.args(missing) if missing else {}
+        args = [Arg.from_bytes(data, trusted=True) for data in read.values()]
+        together = pack_levels(args) if args else ()
+        for place, (shape_id, arg) in enumerate(zip(read, args, strict=True)):
+            self._graphs[shape_id] = _Laid(tuple(level.taken(np.array([place])) for level in together), arg)
         gone = frozenset(shape_id for shape_id in missing if shape_id not in self._graphs)
         if gone:
             raise GoneError(gone)
