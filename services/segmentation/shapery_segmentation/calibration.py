@@ -16,6 +16,7 @@ from shapery_contracts.errors import InvalidInput
 from shapery_geometry.volume import Volume
 from shapery_segmentation.blocks import block_mean
 from shapery_segmentation.brain import Brain
+from shapery_segmentation.smoothing import gaussian
 
 FloatArray = NDArray[np.float32]
 BoolArray = NDArray[np.bool_]
@@ -130,7 +131,7 @@ def calibrate(brain: Brain, post: Volume, pre: Volume | None) -> Calibration:
         field = (difference - np.float32(middle)) / np.float32(noise)
     field[~mask] = 0.0
     sigma = SMOOTHING / brain.grid.spacing
-    field = ndimage.gaussian_filter(field, sigma, truncate=3.0, mode="nearest")
+    field = gaussian(field, sigma)
 
     reference = after if before is None else before
     values = reference.ravel()[chosen].astype(np.float64)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from shapery_segmentation import _gate_kernels as kernels
+from shapery_segmentation.smoothing import gaussian
 
 FloatArray = NDArray[np.float32]
 BoolArray = NDArray[np.bool_]
@@ -76,9 +77,7 @@ def dense(enhancing: BoolArray, spacing: float) -> BoolArray:
     spacing
         Edge of a voxel in mm.
     """
-    density = ndimage.gaussian_filter(
-        enhancing.astype(np.float32), DENSITY_SCALE / spacing, truncate=3.0, mode="nearest"
-    )
+    density = gaussian(enhancing.astype(np.float32), DENSITY_SCALE / spacing)
     return np.asarray(enhancing & (density > LEAST_DENSITY))
 
 
@@ -111,21 +110,29 @@ def reach(field: FloatArray, brain: BoolArray, seed: BoolArray, spacing: float, 
     -----
     In turns: threshold from the median of what is inside; dense voxels whose six neighbours enhance too, as far as they
     are connected to the inside; 2.9 mm around them; the enhancing voxels in there that are connected to the inside. The
-    threshold falls as the region takes in weaker parts; the gate keeps it from taking in everything.
+    threshold falls as the region takes in weaker parts; the gate keeps it from taking in everything. All this is done
+    in a box around the seed; as soon as the region gets near its end, it begins again in a larger one.
     """
     box = box_around(seed, seed.shape, 3 * _MARGIN)
     while True:
         region = _reach_in(field, brain, seed, spacing, rounds, box)
-        touched = box_around(region.inside, region.inside.shape, _MARGIN)
-        cut = [
-            (t.start == 0 and b.start > 0) or (t.stop == b.stop - b.start and b.stop < n)
-            for t, b, n in zip(touched, box, seed.shape, strict=True)
-        ]
-        if not any(cut):
+        if not _near_end(region.inside, box, seed.shape):
             return region
-        whole = np.zeros_like(seed)
-        whole[box] = region.inside
-        box = box_around(whole | seed, seed.shape, 4 * _MARGIN)
+        near = box_around(region.inside | seed[box], region.inside.shape, 0)
+        i, j, k = (
+            slice(max(b.start + t.start - 4 * _MARGIN, 0), min(b.start + t.stop + 4 * _MARGIN, n))
+            for t, b, n in zip(near, box, seed.shape, strict=True)
+        )
+        box = (i, j, k)
+
+
+def _near_end(inside: BoolArray, box: tuple[slice, slice, slice], shape: tuple[int, ...]) -> bool:
+    """Return whether a region gets near an end of its box that is not the end of the grid."""
+    touched = box_around(inside, inside.shape, _MARGIN)
+    return any(
+        (t.start == 0 and b.start > 0) or (t.stop == b.stop - b.start and b.stop < n)
+        for t, b, n in zip(touched, box, shape, strict=True)
+    )
 
 
 def _reach_in(
@@ -154,7 +161,7 @@ def _reach_in(
         if count == 0:
             inside = seed[box]
             break
-        if abs(count - previous) <= 0.002 * count:
+        if abs(count - previous) <= 0.002 * count or _near_end(inside, box, brain.shape):
             break
         previous = count
     return Region(box, inside, allowed, threshold)
