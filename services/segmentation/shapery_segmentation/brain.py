@@ -16,6 +16,7 @@ from scipy import ndimage
 
 from shapery_contracts.errors import InvalidInput
 from shapery_geometry.volume import Volume
+from shapery_segmentation.concurrent import both
 from shapery_segmentation.preparation import WorkingGrid, working_grid
 
 BoolArray = NDArray[np.bool_]
@@ -119,9 +120,11 @@ def find_brain(reference: Volume, post: Volume) -> Brain:
 
     grid = full.cropped(*_box_on(full, coarse, brain))
     if stripped:
-        mask = _upsampled(grid, coarse, dilated(brain, 2))
-        for volume in (reference, post_filled):
-            mask &= _not_background(grid, volume)
+        mask, known = both(
+            lambda: _upsampled(grid, coarse, dilated(brain, 2)) & _not_background(grid, post_filled),
+            lambda: _not_background(grid, reference),
+        )
+        mask &= known
     else:
         mask = _upsampled(grid, coarse, brain)
     return Brain(grid, mask, stripped)

@@ -35,6 +35,7 @@ class SegmentationHandler:
         from dataclasses import replace
 
         from shapery_geometry.volume_io import read_volume
+        from shapery_segmentation.concurrent import at_once
         from shapery_segmentation.evolution import evolution_bytes
         from shapery_segmentation.pipeline import segment
         from shapery_segmentation.report import write_outputs, write_report
@@ -43,12 +44,11 @@ class SegmentationHandler:
             raise InvalidInput("missing_input", "The volume after contrast (post) is missing.")
         context.stage("read", 0.0)
         start = time.perf_counter()
-        volumes = {}
-        for name in ("post", "pre", "vessels"):
-            if name in inputs:
-                context.check_cancelled()
-                volumes[name] = read_volume(inputs[name])
-                context.progress(READ * len(volumes) / len(inputs))
+        names = [name for name in ("post", "pre", "vessels") if name in inputs]
+        read = at_once(lambda name: read_volume(inputs[name]), names)
+        volumes = dict(zip(names, read, strict=True))
+        context.check_cancelled()
+        context.progress(READ)
         reading = StageTime(name="read", seconds=round(time.perf_counter() - start, 4))
 
         stage = ""

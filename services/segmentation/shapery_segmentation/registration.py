@@ -25,6 +25,7 @@ from scipy import ndimage
 from shapery_contracts.errors import InvalidInput
 from shapery_contracts.segmentation import Alignment
 from shapery_geometry.volume import Volume
+from shapery_segmentation.concurrent import at_once, both
 from shapery_segmentation.preparation import averaged
 
 FloatArray = NDArray[np.float64]
@@ -261,7 +262,7 @@ class _Pair:
     """Both volumes, coarse, and the places at which they are compared."""
 
     def __init__(self, moving: Volume, fixed: Volume, rng: np.random.Generator) -> None:
-        self.moving, self.fixed = _coarse(moving), _coarse(fixed)
+        self.moving, self.fixed = at_once(_coarse, (moving, fixed))
         head = _head(self.fixed)
         index = np.argwhere(head)
         self.centre = self.fixed.to_world(index.mean(axis=0))
@@ -351,16 +352,12 @@ class _Pair:
 
     def likeness(self, transform: FloatArray) -> float:
         """Return the correlation of the fine structure deep in both heads, with the moving volume moved."""
-        back = self._back(transform)
-        deep = np.ones(len(back), dtype=np.bool_)
-        values = []
-        for volume, points in ((self.fixed, self.points), (self.moving, back)):
-            sides = np.array(volume.spacing)
-            head = ndimage.binary_fill_holes(_head(volume))
-            inner = ndimage.binary_erosion(head, iterations=max(1, round(DEPTH / float(sides.min()))))
-            deep &= _sampled(Volume(inner.astype(np.float32), volume.affine), points)[0] > 0.9
-            fine, coarse = (ndimage.gaussian_filter(volume.data, sigma / sides) for sigma in BAND)
-            values.append(_sampled(Volume(fine - coarse, volume.affine), points)[0])
+        (deep, fixed), (deep_too, moving) = both(
+            lambda: _fine_structure(self.fixed, self.points),
+            lambda: _fine_structure(self.moving, self._back(transform)),
+        )
+        deep &= deep_too
+        values = (fixed, moving)
         if np.count_nonzero(deep) < 100:
             return 0.0
         # Vessels and tumors, which only one of the two shows, are cut off.
@@ -377,6 +374,16 @@ class _Pair:
 def _arc(way: FloatArray) -> float:
     """Return a way along six axes as mm: over a head a turn moves by its arc."""
     return float(np.sqrt(np.square(way[:3]).sum() + np.square(np.deg2rad(way[3:]) * HEAD_RADIUS).sum()))
+
+
+def _fine_structure(volume: Volume, points: FloatArray) -> tuple[NDArray[np.bool_], NDArray[np.float32]]:
+    """Return which points lie deep in the head, and the volume there without its noise and its brightness."""
+    sides = np.array(volume.spacing)
+    head = ndimage.binary_fill_holes(_head(volume))
+    inner = ndimage.binary_erosion(head, iterations=max(1, round(DEPTH / float(sides.min()))))
+    deep = _sampled(Volume(inner.astype(np.float32), volume.affine), points)[0] > 0.9
+    fine, coarse = (ndimage.gaussian_filter(volume.data, sigma / sides) for sigma in BAND)
+    return deep, _sampled(Volume(fine - coarse, volume.affine), points)[0]
 
 
 def _coarse(volume: Volume) -> Volume:

@@ -13,6 +13,7 @@ import numpy as np
 from shapery_contracts.segmentation import Microhemorrhage, SegmentedObject, SegmentedVessel
 from shapery_geometry.intersections import self_intersections
 from shapery_geometry.mesh import TriangleMesh
+from shapery_segmentation.concurrent import both
 
 if TYPE_CHECKING:
     from shapery_segmentation.objects import Recovered
@@ -40,6 +41,7 @@ def describe(item: Recovered, number: int, voxel_mm3: float) -> SegmentedObject:
     """Return the report's entry of one object."""
     surface = item.surface
     volume = float(np.count_nonzero(item.inside)) * voxel_mm3
+    genus, touching = both(lambda: surface.genus, lambda: self_intersections(surface))
     return SegmentedObject(
         label=number,
         seed=[float(x) for x in item.seed],
@@ -52,8 +54,8 @@ def describe(item: Recovered, number: int, voxel_mm3: float) -> SegmentedObject:
         vertices=len(surface.vertices),
         faces=len(surface.faces),
         closed=surface.closed,
-        genus=surface.genus,
-        self_intersections=len(self_intersections(surface)),
+        genus=genus,
+        self_intersections=len(touching),
         threshold=item.threshold,
         iterations=item.iterations,
         converged=item.converged,

@@ -42,4 +42,4 @@ def _half_kernel(sigma: float, truncate: float) -> FloatArray:
     """Return the middle and the right half of a sampled Gaussian whose whole sums to 1."""
     radius = int(truncate * sigma + 0.5)
     half = np.exp(-0.5 * np.square(np.arange(radius + 1) / max(sigma, 1e-30)))
-    return (half / (half[0] + 2.0 * half[1:].sum())).astype(np.float32)
+    return np.asarray(half / (half[0] + 2.0 * half[1:].sum()), dtype=np.float32)

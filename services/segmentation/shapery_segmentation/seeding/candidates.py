@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from shapery_segmentation.calibration import Calibration
+from shapery_segmentation.concurrent import both
 from shapery_segmentation.gate import LEVEL, LEVEL_RANGE, dense
 from shapery_segmentation.seeding.evidence import evidence
 from shapery_segmentation.seeding.octree import OctreeCandidates, search_octree
@@ -102,9 +103,10 @@ def find_candidates(
         Called between the steps.
     """
     field = calibration.field
-    plane = find_symmetry(calibration.before, brain, spacing)
-    check_cancelled()
-    octree = search_octree(field, brain, spacing, SEED_THRESHOLD)
+    plane, octree = both(
+        lambda: find_symmetry(calibration.before, brain, spacing),
+        lambda: search_octree(field, brain, spacing, SEED_THRESHOLD),
+    )
     check_cancelled()
     weight = evidence(field, calibration.before, brain, plane, spacing)
     check_cancelled()
