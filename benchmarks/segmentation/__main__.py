@@ -29,6 +29,7 @@ def main() -> None:
     parser.add_argument("--data", type=Path, default=DATA, help="folder of the real volumes")
     parser.add_argument("--part", nargs="*", choices=PARTS, default=list(PARTS), help="what to measure")
     parser.add_argument("--only", nargs="*", default=[], help="parts of the names of the cases to measure")
+    parser.add_argument("--peer", nargs="*", choices=list(PEERS), default=list(PEERS), help="peers to measure")
     parser.add_argument("--cache", type=Path, default=Path(tempfile.gettempdir()) / "shapery-bench-segmentation")
     parser.add_argument("--time-limit", type=float, default=180.0, help="seconds for one setting of one peer")
     parser.add_argument("--results", type=Path, default=RESULTS)
@@ -44,7 +45,7 @@ def main() -> None:
         results["real"] = [_ours(case, process, cache, key) for case in real]
     counted = [c for c, row in zip(real, results.get("real", []), strict=False) if _counts(row)]
     if "peers" in given.part and counted:
-        results["peers"] = _peers(counted, cache, given.time_limit)
+        results["peers"] = _peers(counted, given.peer, cache, given.time_limit)
     if "settings" in given.part and counted:
         results["settings"] = {c.name: cache.get(f"settings {c.name}", key, lambda c=c: _settings(c)) for c in counted}
     if "phantoms" in given.part:
@@ -79,12 +80,12 @@ def _ours(case: Case, process: ours.Ours, cache: Cache, key: str) -> dict[str, A
     return row
 
 
-def _peers(cases: Sequence[Case], cache: Cache, time_limit: float) -> dict[str, Any]:
-    rows: dict[str, Any] = {given: {peer: {} for peer in PEERS} for given in beside.INPUTS}
+def _peers(cases: Sequence[Case], peers: Sequence[str], cache: Cache, time_limit: float) -> dict[str, Any]:
+    rows: dict[str, Any] = {given: {peer: {} for peer in peers} for given in beside.INPUTS}
     for case in cases:
         prepared = beside.prepare(case)
         for given in beside.INPUTS:
-            for peer, measured in beside.measure(prepared, given, cache, time_limit).items():
+            for peer, measured in beside.measure(prepared, given, peers, cache, time_limit).items():
                 rows[given][peer][case.name] = measured
                 best = max(row["enhancing"]["iou"] or 0.0 for row in measured)
                 print(f"{case.name}, {given}: {peer} at best {best:.3f}", flush=True)
@@ -160,8 +161,9 @@ def document(results: dict[str, Any]) -> str:
             "box of our flow, with 16 voxels around it on the plain difference: this spares them time and leaks.",
             *tables.peers_table(by_name, results["peers"], names, clear),
             "",
-            *tables.ratio_lines(by_name, results["peers"], names),
         ]
+        if all("threshold_level_set" in rows for rows in results["peers"].values()):
+            text += tables.ratio_lines(by_name, results["peers"], names)
     if "phantoms" in results:
         text += ["", "## Phantoms", "", "Heads with known truth, as the real cases are done:", ""]
         text += tables.cases_table(results["phantoms"])

@@ -1,12 +1,14 @@
-"""The peers on the same cases, from the same seeds, on two inputs.
+"""The peers on the same cases, from the same seeds, on three inputs.
 
 ``plain``
     The calibrated difference Z = (post − (a·pre + b)) / MAD, as one would make it without us, and a ball of 3 mm around
     the point that our automatic search starts from: what a user's click would be. Not over the whole brain but in the
     box of our flow and 16 voxels around it, which spares the peers time and farther leaks.
+``plain from our seed``
+    The same, from our flow's own seed surface, which has passed the gate and is near the border already.
 ``ours``
     The very arrays that our flow gets: the smoothed partial difference around the object, where the object may lie at
-    all (the density gate), and the flow's own seed surface, which has passed that gate and is near the border already.
+    all (the density gate), and the seed surface.
 """
 
 from __future__ import annotations
@@ -41,6 +43,7 @@ from shapery_segmentation.labels import fill_enclosed
 
 INPUTS = {
     "plain": "the plain calibrated difference, a ball as seed",
+    "plain from our seed": "the plain calibrated difference, our seed surface",
     "ours": "our input, leak gate and seed surface",
 }
 
@@ -101,6 +104,9 @@ def prepare(case: Case) -> Prepared:
         around = tuple(
             slice(max(b.start - AROUND, 0), min(b.stop + AROUND, n)) for b, n in zip(box, grid.shape, strict=True)
         )
+        wide = np.zeros(grid.shape, dtype=np.bool_)
+        wide[box] = seed
+        starts["plain from our seed"].append(Start(around, plain[around], wide[around], brain.mask[around]))
         boxes.append(around)
     for item in found.report.objects:
         middle = np.linalg.solve(grid.affine[:3, :3], np.asarray(item.seed) - grid.affine[:3, 3])
@@ -112,10 +118,12 @@ def prepare(case: Case) -> Prepared:
     return Prepared(case, brain, post, starts, sum(flow.cpu_seconds for flow in flows))
 
 
-def measure(prepared: Prepared, given: str, cache: Cache, time_limit: float) -> dict[str, list[dict[str, Any]]]:
-    """Return for each peer one row per setting: agreement with the reference, CPU seconds, or that it took too long."""
+def measure(
+    prepared: Prepared, given: str, peers: Sequence[str], cache: Cache, time_limit: float
+) -> dict[str, list[dict[str, Any]]]:
+    """Return for each of `peers` one row per setting: agreement with the reference, CPU seconds, or that it took too long."""
     starts = prepared.starts[given]
-    asked = [(peer, number) for peer in PEERS for number in range(len(PEERS[peer][2]))]
+    asked = [(peer, number) for peer in peers for number in range(len(PEERS[peer][2]))]
     grid = prepared.brain.grid
 
     def run() -> dict[str, list[dict[str, Any]]]:
@@ -146,7 +154,7 @@ def measure(prepared: Prepared, given: str, cache: Cache, time_limit: float) -> 
                 grid.to_source(mask), np.isin(reference, prepared.case.enhancing), prepared.post
             )
             row["core"] = agreement(grid.to_source(core), np.isin(reference, prepared.case.core), prepared.post)
-        return {peer: [rows[key] for key in asked if key[0] == peer] for peer in PEERS}
+        return {peer: [rows[key] for key in asked if key[0] == peer] for peer in peers}
 
     arrays = [part for start in starts for part in (start.field, start.seed, start.allowed)]
     key = digest(asked, time_limit, digest_arrays(*arrays), (Path(__file__).parent / "peers.py").read_text())

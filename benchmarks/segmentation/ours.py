@@ -110,6 +110,7 @@ def run(out: Path, post_path: Path, pre_path: Path | None) -> dict[str, Any]:
         "wall_seconds": wall,
         "cpu_seconds": cpu,
         "flow_cpu_seconds": sum(call.cpu_seconds for call in flows),
+        "flow_watched_seconds": sum(call.watched_seconds for call in flows),
         "flow_iterations": [call.iterations for call in flows],
         "peak_mib": peak_mib(),
     }

@@ -169,7 +169,7 @@ PEERS: dict[str, tuple[str, Callable[..., Any], list[Setting]]] = {
     "threshold_level_set": (
         "ITK ThresholdSegmentationLevelSet",
         threshold_level_set,
-        _grid(lower=(2.0, 2.5, 3.0), curvature=(0.5,), rms=(0.01,), iterations=(600,)),
+        _grid(lower=(1.5, 2.0, 2.5, 3.0), curvature=(0.3, 1.0), rms=(0.01,), iterations=(600,)),
     ),
     "geodesic_active_contour": (
         "ITK GeodesicActiveContour",
@@ -177,21 +177,21 @@ PEERS: dict[str, tuple[str, Callable[..., Any], list[Setting]]] = {
         _grid(
             sigma=(0.8,),
             edge=(1.0, 2.0),
-            propagation=(1.0,),
+            propagation=(0.3, 1.0),
             curvature=(0.5,),
-            advection=(1.0,),
+            advection=(1.0, 3.0),
             iterations=(300,),
         ),
     ),
     "fast_marching": (
         "ITK fast marching",
         fast_marching,
-        _grid(middle=(2.0, 2.5, 3.0), width=(0.25,), time=(8.0, 15.0, 30.0)),
+        _grid(middle=(2.0, 2.5, 3.0), width=(0.25, 0.5), time=(8.0, 15.0, 30.0)),
     ),
     "chan_vese": (
         "morphological Chan–Vese (scikit-image)",
         chan_vese,
-        _grid(iterations=(15,), smoothing=(1,), lambda1=(1.0,)),
+        _grid(iterations=(15, 40), smoothing=(1, 2), lambda1=(1.0, 2.0)),
     ),
     "fixed_threshold": (
         "threshold and component",
@@ -202,7 +202,7 @@ PEERS: dict[str, tuple[str, Callable[..., Any], list[Setting]]] = {
     "two_gaussians": (
         "two Gaussians and component",
         two_gaussians,
-        _grid(start=(97.0,), posterior=(0.5, 0.9)),
+        _grid(start=(95.0, 99.0), posterior=(0.5, 0.9)),
     ),
 }
 """Title, method and settings by name."""
