@@ -121,7 +121,7 @@ def prepare(case: Case) -> Prepared:
 def measure(
     prepared: Prepared, given: str, peers: Sequence[str], cache: Cache, time_limit: float
 ) -> dict[str, list[dict[str, Any]]]:
-    """Return for each of `peers` one row per setting: agreement with the reference, CPU seconds, or that it took too long."""
+    """Return for each of `peers` a row per setting: agreement with the reference, CPU seconds, or that it was late."""
     starts = prepared.starts[given]
     asked = [(peer, number) for peer in peers for number in range(len(PEERS[peer][2]))]
     grid = prepared.brain.grid

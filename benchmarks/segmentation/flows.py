@@ -18,7 +18,7 @@ from shapery_segmentation import objects
 
 @dataclass(frozen=True)
 class FlowCall:
-    """One flow: its input, its CPU seconds without and with the frames that are kept to be watched, and how it ended."""
+    """One flow: its input, its CPU seconds without and with the frames kept to be watched, and how it ended."""
 
     field: NDArray[np.float32]
     allowed: NDArray[np.bool_]
