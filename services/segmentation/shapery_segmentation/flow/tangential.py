@@ -47,7 +47,8 @@ from numpy.typing import ArrayLike, NDArray
 from shapery_contracts.errors import InvalidInput
 from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.volume import check_affine
-from shapery_segmentation.flow import _tangential_kernels as kernels
+from shapery_segmentation.flow import _front_kernels as fronts
+from shapery_segmentation.flow import _growth_kernels, _level_kernels, _stitch_kernels
 
 FloatArray = NDArray[np.float64]
 
@@ -185,7 +186,7 @@ def tangential_flow(
     voxel = float(np.linalg.norm(matrix[:3, :3], axis=0).min())
     length = p.edge_length if p.edge_length is not None else 0.8 * voxel
     inverse = np.ascontiguousarray(np.linalg.inv(matrix)[:3])
-    dials = kernels.Dials(
+    dials = fronts.Dials(
         threshold=float(threshold),
         length=float(length),
         rate=float(p.rate),
@@ -206,24 +207,27 @@ def tangential_flow(
     limited = False
     for attempt in range(MENDINGS + 1):
         front = _front(vertices, normals, faces, length)
-        outcome = kernels.NO_ROOM
-        while outcome == kernels.NO_ROOM:
+        outcome = fronts.NO_ROOM
+        while outcome == fronts.NO_ROOM:
             queue = np.empty(3 * len(front.corners), dtype=np.int32)
             if check_cancelled is not None:
                 check_cancelled()
-            outcome = kernels.grow(front, values, inverse, dials, p.max_vertices, queue, state)
-            if outcome == kernels.NO_ROOM:
+            outcome = _growth_kernels.grow(front, values, inverse, dials, p.max_vertices, queue, state)
+            if outcome == fronts.NO_ROOM:
                 front = _larger(front, length)
-        limited = outcome == kernels.LIMIT
+        limited = outcome == fronts.LIMIT
         for least in STITCH_AGREEMENT:
             if limited:
                 break
-            while kernels.stitch(front, dials, least, np.empty(3 * len(front.corners), dtype=np.int32)) != kernels.DONE:
+            while (
+                _stitch_kernels.stitch(front, dials, least, np.empty(3 * len(front.corners), dtype=np.int32))
+                != fronts.DONE
+            ):
                 front = _larger(front, length)
-        grown += int(front.layout[kernels.GROWN])
-        stitched += int(front.layout[kernels.STITCHED])
-        refused += int(front.layout[kernels.REFUSED])
-        top, count = int(front.layout[kernels.VERTICES]), int(front.layout[kernels.FACES])
+        grown += int(front.layout[fronts.GROWN])
+        stitched += int(front.layout[fronts.STITCHED])
+        refused += int(front.layout[fronts.REFUSED])
+        top, count = int(front.layout[fronts.VERTICES]), int(front.layout[fronts.FACES])
         vertices, normals, faces = front.points[:top], front.normals[:top], front.corners[:count]
         holes = int(np.count_nonzero(front.twin[: 3 * count] < 0))
         if limited or not holes or attempt == MENDINGS:
@@ -267,53 +271,53 @@ def seed_triangle(
     inverse = np.ascontiguousarray(np.linalg.inv(matrix)[:3])
     voxel = float(np.linalg.norm(matrix[:3, :3], axis=0).min())
     corners = np.zeros((3, 3))
-    found = kernels.first_triangle(
+    found = _level_kernels.first_triangle(
         values, inverse, np.asarray(point, dtype=np.float64), float(threshold), SEED_EDGES * edge_length, voxel, corners
     )
     return TriangleMesh(corners, [[0, 1, 2]]) if found else None
 
 
-def _front(vertices: FloatArray, normals: FloatArray, faces: NDArray[np.int32], length: float) -> kernels.Front:
+def _front(vertices: FloatArray, normals: FloatArray, faces: NDArray[np.int32], length: float) -> fronts.Front:
     """Return the arrays of a surface to start from."""
     room = 2 * max(ROOM, len(vertices))
     front = _empty(room)
     front.points[: len(vertices)] = vertices.astype(np.float32)
     front.normals[: len(normals)] = normals
     front.corners[: len(faces)] = faces
-    front.layout[kernels.VERTICES], front.layout[kernels.FACES] = len(vertices), len(faces)
-    if not kernels.begin(front, length):
+    front.layout[fronts.VERTICES], front.layout[fronts.FACES] = len(vertices), len(faces)
+    if not fronts.begin(front, length):
         raise InvalidInput("invalid_mesh", "The seed of the tangential flow is not manifold and oriented.")
     return front
 
 
-def _empty(room: int) -> kernels.Front:
-    faces = 2 * room + 2 * kernels.MARGIN
+def _empty(room: int) -> fronts.Front:
+    faces = 2 * room + 2 * fronts.MARGIN
     table = 1 << int(np.ceil(np.log2(6 * faces)))
-    return kernels.Front(
+    return fronts.Front(
         points=np.zeros((room, 3)),
         normals=np.zeros((room, 3)),
-        mode=np.full(room, kernels.ACTIVE, dtype=np.int8),
+        mode=np.full(room, fronts.ACTIVE, dtype=np.int8),
         free=np.zeros(room, dtype=np.int32),
         corners=np.zeros((faces, 3), dtype=np.int32),
         planes=np.zeros((faces, 3)),
         twin=np.full(3 * faces, -1, dtype=np.int32),
         keys=np.zeros(table, dtype=np.int64),
         values=np.zeros(table, dtype=np.int32),
-        head=np.full(kernels.CELLS**3, -1, dtype=np.int32),
+        head=np.full(fronts.CELLS**3, -1, dtype=np.int32),
         after=np.full(faces, -1, dtype=np.int32),
-        layout=np.zeros(kernels.LAYOUT, dtype=np.int64),
+        layout=np.zeros(fronts.LAYOUT, dtype=np.int64),
     )
 
 
-def _larger(front: kernels.Front, length: float) -> kernels.Front:
+def _larger(front: fronts.Front, length: float) -> fronts.Front:
     """Return larger arrays with the same surface."""
     larger = _empty(2 * len(front.points))
-    top, count = int(front.layout[kernels.VERTICES]), int(front.layout[kernels.FACES])
+    top, count = int(front.layout[fronts.VERTICES]), int(front.layout[fronts.FACES])
     larger.points[:top], larger.normals[:top] = front.points[:top], front.normals[:top]
     larger.mode[:top] = front.mode[:top]
     larger.corners[:count] = front.corners[:count]
     larger.layout[:] = front.layout
-    kernels.begin(larger, length)
+    fronts.begin(larger, length)
     return larger
 
 
