@@ -38,6 +38,8 @@ def warm() -> None:
         fine = Volume(np.repeat(np.repeat(np.repeat(post.data, 3, 0), 3, 1), 3, 2), _thirds(post.affine))
         before = Volume(np.repeat(np.repeat(np.repeat(pre.data, 3, 0), 3, 1), 3, 2), fine.affine)
         segment(Volume(fine.data.astype(np.float32), fine.affine), before, params=params)
+        # The general mode, where a seed says which object is meant.
+        segment(post, params=SegmentationParams(mode="object", seeds=params.seeds))
 
 
 def _warm_vessels() -> None:
