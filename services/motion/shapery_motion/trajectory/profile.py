@@ -32,7 +32,9 @@ FIRST: Final = 4.5
 SLOPE: Final = 0.39
 """By which power of the squared error the size falls, about: by 42 % from one error to twice the error."""
 COARSER: Final = (1.6, 2.5, 5.0)
-"""Steps beside the one that is used, in its units, at which the report tells rate and error."""
+ONE_COARSER: Final = (2.5,)
+"""Steps beside the one that is used, in its units, at which the report tells rate and error, when there is time and
+when there is none."""
 PASSES: Final = 8
 NEAR: Final = 0.993
 NEAR_ENOUGH: Final = 0.97
@@ -102,7 +104,7 @@ def encode_group(task: GroupTask) -> EncodedGroup:
     if best is None:
         raise InvalidInput("invalid_params", "The bound is too fine: it could not be met.", "Allow a larger error.")
     points = [(best.squared_error + lost, best.size)]
-    for coarser in COARSER if thorough else ():
+    for coarser in COARSER if thorough else ONE_COARSER:
         task.check_cancelled()
         made = encode_at(clusters, graph, best.step * coarser, offset=offset, sources=sources)
         points.append((made.squared_error + lost, made.size))

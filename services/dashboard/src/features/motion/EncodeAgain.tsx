@@ -18,8 +18,8 @@ const MARKS = [0.02, 0.05, 0.1, 0.2, 0.5, 1];
 
 interface EncodeAgainProps {
   job: Job;
-  /** The KG error of the file that is shown, in percent. */
-  met: number;
+  /** The KG error that was asked for or met, in percent. */
+  kg: number;
   curve: readonly RatePoint[];
   /** Vertices times frames. */
   pairs: number;
@@ -28,11 +28,11 @@ interface EncodeAgainProps {
 }
 
 /** The same sequence at another quality. */
-export function EncodeAgain({ job, met, curve, pairs, onPoint }: EncodeAgainProps) {
+export function EncodeAgain({ job, kg: before, curve, pairs, onPoint }: EncodeAgainProps) {
   const navigate = useNavigate();
   const create = useCreateJob();
   const [attempts] = useState(() => new Attempts());
-  const [place, setPlace] = useState(toPlace(met));
+  const [place, setPlace] = useState(toPlace(before));
   const kg = toKg(place);
   const others = Object.entries(job.params).filter(([name]) => !["kg", "rmse", "max_error"].includes(name));
   const request = { kind: job.kind, inputs: job.inputs, params: { ...Object.fromEntries(others), kg } };

@@ -98,7 +98,7 @@ export default function MotionView({ job, result, facts }: { job: Job; result: M
           <Figures result={result} />
           <EncodeAgain
             job={job}
-            met={result.errors.kg_percent}
+            kg={result.bounds.kg ?? result.errors.kg_percent}
             curve={curve}
             pairs={result.vertices * result.frames}
             onPoint={setPointed}

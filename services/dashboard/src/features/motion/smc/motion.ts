@@ -2,6 +2,7 @@ import { decodeFaces } from "./connectivity";
 import { CorruptMotion, type Header, readHeader, SectionReader } from "./container";
 import { type Corrections, readCorrections } from "./corrections";
 import { type Graph, graphOf } from "./graph";
+import { GradientGroup } from "./gradient";
 import { TrajectoryGroup } from "./trajectory";
 
 /** A motion file (`.smc`) that gives its frames one by one; api_schema/smc.md describes it. */
@@ -10,13 +11,10 @@ export class Motion {
   readonly faces: Uint32Array;
   readonly #bytes: Uint8Array;
   readonly #graph: Graph;
-  #open: { number: number; group: TrajectoryGroup; corrections: Corrections } | null = null;
+  #open: { number: number; group: TrajectoryGroup | GradientGroup; corrections: Corrections } | null = null;
 
   constructor(bytes: Uint8Array) {
     const { header, connectivity } = readHeader(bytes);
-    if (header.profile !== "trajectory") {
-      throw new Error(`Motions of the profile “${header.profile}” are not played here; decode them on the server.`);
-    }
     const last = header.groups.at(-1);
     new SectionReader(bytes, last ? last.offset + last.length : 0, bytes.length).next("END ");
     this.header = header;
@@ -30,7 +28,7 @@ export class Motion {
     return this.header.groups.findLastIndex(({ first }) => first <= frame);
   }
 
-  /** The cluster of each vertex in a group. */
+  /** The cluster of each vertex in a group (of the profile `gradient`: that of its first face). */
   labels(group: number): Int32Array {
     return this.#group(group).group.labels;
   }
@@ -63,7 +61,10 @@ export class Motion {
     }
     const found = sections.get("CORR");
     const corrections = found ? readCorrections(found, frames, vertices) : new Map();
-    const group = new TrajectoryGroup(sections, frames, vertices, this.#graph, memory);
+    const group =
+      this.header.profile === "gradient"
+        ? new GradientGroup(sections, frames, vertices, this.faces, memory)
+        : new TrajectoryGroup(sections, frames, vertices, this.#graph, memory);
     this.#open = { number, group, corrections };
     return this.#open;
   }
