@@ -7,6 +7,7 @@ import re
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -84,6 +85,15 @@ def picture(locator: Any) -> NDArray[np.uint8]:
 
     with Image.open(io.BytesIO(locator.screenshot())) as image:
         return np.asarray(image.convert("RGB"))
+
+
+def keep_picture(page: Any, name: str) -> None:
+    """Leave a picture of a page for the docs, where ``SHAPERY_TEST_PICTURES`` names a folder (``docs/images``)."""
+    folder = os.environ.get("SHAPERY_TEST_PICTURES")
+    if folder:
+        page.mouse.move(0, 0)
+        page.wait_for_timeout(500)
+        page.screenshot(path=Path(folder) / f"{name}.png")
 
 
 def share_of(pixels: NDArray[np.uint8], *, red: tuple[int, int], green: tuple[int, int], blue: tuple[int, int]) -> Any:

@@ -18,7 +18,7 @@ from shapery_geometry.volume import Volume
 from shapery_geometry.volume_io import read_volume
 from shapery_segmentation.evolution import read_evolution
 from tests.e2e.dashboard.conftest import OpenPage
-from tests.support.browser import Watch, picture
+from tests.support.browser import Watch, keep_picture, picture
 
 pytestmark = [pytest.mark.server, pytest.mark.browser, pytest.mark.slow]
 
@@ -147,6 +147,7 @@ def test_the_surface_is_drawn_as_it_is(open_page: OpenPage, segmented: dict[str,
     """Its silhouette is that of the mesh, seen from the front, a little from the right and above."""
     page = open_page(f"/jobs/{segmented['id']}")
     wait_for_pictures(page)
+    keep_picture(page, "segmentation")
     canvas = page.get_by_test_id("surface")
     pixels = picture(canvas)
     height, width = pixels.shape[:2]
@@ -322,6 +323,8 @@ def test_a_mask_is_compared_and_drawn(
     told = [float(value) for value in re.findall(r"(?:mean|within|at most) ([\d.]+) mm", legend)]
     expected = [distances.mean(), np.quantile(distances, 0.95, method="higher"), distances.max()]
     np.testing.assert_allclose(told, expected, atol=0.02)
+    page.evaluate("scrollTo(0, 0)")
+    keep_picture(page, "distances")
     colored = tumor_colored(picture(page.get_by_test_id("surface")))
     page.get_by_role("button", name="Color by the distance to the mask").click()
     page.wait_for_timeout(500)

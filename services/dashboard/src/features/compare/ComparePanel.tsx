@@ -11,13 +11,15 @@ import { compareLabels } from "./compare";
 import { agreement } from "./overlap";
 
 const PARTS = [
-  { value: "core", label: "Core (1 and 2)", values: [1, 2] },
-  { value: "enhancing", label: "Enhancing (1)", values: [1] },
-  { value: "vessels", label: "Vessels (3)", values: [3] },
+  { value: "core", tumor: "Core (1 and 2)", object: "With what it encloses (1 and 2)", values: [1, 2] },
+  { value: "enhancing", tumor: "Enhancing (1)", object: "Object (1)", values: [1] },
+  { value: "vessels", tumor: "Vessels (3)", object: "Vessels (3)", values: [3] },
 ] as const;
 
 interface ComparePanelProps {
   labels: Artifact;
+  /** What was looked for, which tells what the labels are called. */
+  mode: "tumor" | "object";
   reference: Asset | null;
   onReference: (asset: Asset | null) => void;
   /** Values of the reference that count; null: all but 0. */
@@ -26,7 +28,7 @@ interface ComparePanelProps {
 }
 
 /** How well the labels agree with a mask that somebody else has drawn. */
-export function ComparePanel({ labels, reference, onReference, values, onValues }: ComparePanelProps) {
+export function ComparePanel({ labels, mode, reference, onReference, values, onValues }: ComparePanelProps) {
   const volumes = useQuery(volumesQuery);
   const masks = (volumes.data?.items ?? []).filter(({ format }) => format === "nifti1");
   return (
@@ -48,7 +50,14 @@ export function ComparePanel({ labels, reference, onReference, values, onValues 
         onChange={(id) => onReference(masks.find((mask) => mask.id === id) ?? null)}
       />
       {reference && (
-        <Figures key={reference.id} labels={labels} reference={reference} chosen={values} onChosen={onValues} />
+        <Figures
+          key={reference.id}
+          labels={labels}
+          mode={mode}
+          reference={reference}
+          chosen={values}
+          onChosen={onValues}
+        />
       )}
     </Paper>
   );
@@ -56,12 +65,13 @@ export function ComparePanel({ labels, reference, onReference, values, onValues 
 
 interface FiguresProps {
   labels: Artifact;
+  mode: "tumor" | "object";
   reference: Asset;
   chosen: readonly number[] | null;
   onChosen: (values: readonly number[]) => void;
 }
 
-function Figures({ labels, reference, chosen, onChosen }: FiguresProps) {
+function Figures({ labels, mode, reference, chosen, onChosen }: FiguresProps) {
   const compared = useQuery({
     queryKey: ["compare", labels.sha256, reference.sha256],
     staleTime: Number.POSITIVE_INFINITY,
@@ -104,7 +114,7 @@ function Figures({ labels, reference, chosen, onChosen }: FiguresProps) {
       <SegmentedControl
         size="xs"
         aria-label="What is compared"
-        data={parts.map(({ value, label }) => ({ value, label }))}
+        data={parts.map((one) => ({ value: one.value, label: one[mode] }))}
         value={part}
         onChange={setPart}
       />

@@ -159,6 +159,7 @@ export default function SegmentationView({ job, result, post, facts }: Segmentat
           {labels && (
             <ComparePanel
               labels={labels}
+              mode={result.mode}
               reference={reference}
               onReference={(asset) => {
                 setReference(asset);

@@ -1,4 +1,4 @@
-import { millimetres, significant } from "@/format/format";
+import { millimetres } from "@/format/format";
 import { GRADIENT, type Spread } from "./scale";
 import classes from "./surface.module.css";
 
@@ -9,7 +9,7 @@ export function DistanceLegend({ spread }: { spread: Spread }) {
       <div>Distance to the mask&apos;s border</div>
       <div className={classes.scale} style={{ background: GRADIENT }} />
       <div className={classes.ends}>
-        <span>{significant(spread.end, 2)} inside</span>
+        <span>{millimetres(spread.end)} inside</span>
         <span>0</span>
         <span>{millimetres(spread.end)} outside</span>
       </div>
