@@ -162,7 +162,10 @@ class ShapeHit(BaseModel):
 
 
 class ShapeSearchResult(BaseModel):
-    """What a search answers."""
+    """What a search answers.
+
+    Artifacts: ``results.json``; where a mesh was searched with, also its ``mesh.glb`` and ``components.json``.
+    """
 
     index_version: int
     mode: Literal["global", "partial"]

@@ -2282,6 +2282,8 @@ export interface components {
         /**
          * ShapeSearchResult
          * @description What a search answers.
+         *
+         *     Artifacts: ``results.json``; where a mesh was searched with, also its ``mesh.glb`` and ``components.json``.
          */
         ShapeSearchResult: {
             /** Candidates */

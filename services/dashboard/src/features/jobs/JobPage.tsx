@@ -12,7 +12,7 @@ import { Empty, Failure, Waiting } from "@/app/Notice";
 import { Page } from "@/app/Page";
 import { useNow } from "@/app/useNow";
 import { isMotionResult } from "@/features/motion/result";
-import { isIndexResult, isSearchResult } from "@/features/shapes/result";
+import { isSearchResult } from "@/features/shapes/result";
 import { SimilarSurfaces, type SurfaceToFind } from "@/features/shapes/SimilarSurfaces";
 import { isSegmentationResult } from "@/features/segmentation/params";
 import { AsCode } from "@/features/snippets/AsCode";
@@ -158,6 +158,16 @@ function Lead({ job }: { job: Job }) {
 function Body({ job, assets }: { job: Job; assets: ReadonlyMap<string, Asset> }) {
   if (!isTerminal(job.state)) return <Underway job={job} assets={assets} />;
   const name = jobName(job, assets);
+  // A shape stays when the files of its job have expired.
+  if (job.state === "succeeded" && (job.kind === "shape-index" || isSearchResult(job.result))) {
+    return (
+      <Aside job={job} assets={assets}>
+        <Suspense fallback={<Waiting label="Loading the page…" />}>
+          <ShapeJob job={job} />
+        </Suspense>
+      </Aside>
+    );
+  }
   if (job.state === "succeeded") {
     if (job.expired) {
       return (
@@ -211,15 +221,6 @@ function Body({ job, assets }: { job: Job; assets: ReadonlyMap<string, Asset> })
           }
         />
       </Suspense>
-    );
-  }
-  if (job.state === "succeeded" && (isIndexResult(job.result) || isSearchResult(job.result))) {
-    return (
-      <Aside job={job} assets={assets}>
-        <Suspense fallback={<Waiting label="Loading the page…" />}>
-          <ShapeJob job={job} />
-        </Suspense>
-      </Aside>
     );
   }
   return (

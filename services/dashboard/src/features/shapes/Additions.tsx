@@ -1,8 +1,8 @@
 import { CloseButton, Group, Paper, Progress, Stack, Text } from "@mantine/core";
-import { useQueries, useQueryClient } from "@tanstack/react-query";
+import { type InfiniteData, useQueries, useQueryClient } from "@tanstack/react-query";
 import { useEffect } from "react";
 import { batchQuery } from "@/api/batches";
-import { shapeKeys } from "@/api/shapes";
+import { shapeKeys, type ShapePage } from "@/api/shapes";
 import { LinkAnchor } from "@/app/links";
 import { useStore } from "@/app/store";
 import { count, ended, troubled } from "@/features/batches/naming";
@@ -41,13 +41,17 @@ function Progressing({ addition }: { addition: Addition }) {
   const indexing = addition.batches.length > 0;
   const finished = addition.error !== null || (over >= addition.total && (indexing || addition.total === 0));
 
-  // What has been indexed appears while the rest is under way.
+  // What has been indexed appears while the rest is under way; a wall of many pages waits for the end.
   useEffect(() => {
     if (indexed === 0) return;
-    void client.invalidateQueries({ queryKey: shapeKeys.lists });
+    const pages = (data: unknown) => (data as InfiniteData<ShapePage> | undefined)?.pages.length ?? 0;
+    void client.invalidateQueries({
+      queryKey: shapeKeys.lists,
+      predicate: ({ state }) => finished || pages(state.data) < 3,
+    });
     void client.invalidateQueries({ queryKey: shapeKeys.collections });
     void client.invalidateQueries({ queryKey: ["shapes", "labels"] });
-  }, [client, indexed]);
+  }, [client, indexed, finished]);
 
   const says = addition.error
     ? `Not added: ${addition.error}`

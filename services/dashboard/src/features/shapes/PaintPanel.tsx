@@ -77,16 +77,20 @@ export function PaintPanel({ model, painting, search, onClose }: PaintPanelProps
             : `${percent(painted.share)} of the area painted: the search takes ${painted.parts.length} of ${there.length} parts, ${percent(painted.used)}.`}
         </Text>
         <Group gap="sm">
-          <LinkButton
-            to="/shapes/search"
-            search={{ ...search, parts: writeParts(painted.parts) }}
-            leftSection={<Search size={15} aria-hidden="true" />}
-            disabled={painted.parts.length === 0}
-            aria-disabled={painted.parts.length === 0}
-            size="sm"
-          >
-            Find this region
-          </LinkButton>
+          {painted.parts.length > 0 ? (
+            <LinkButton
+              to="/shapes/search"
+              search={{ ...search, parts: writeParts(painted.parts) }}
+              leftSection={<Search size={15} aria-hidden="true" />}
+              size="sm"
+            >
+              Find this region
+            </LinkButton>
+          ) : (
+            <Button size="sm" disabled leftSection={<Search size={15} aria-hidden="true" />}>
+              Find this region
+            </Button>
+          )}
           <Button size="sm" variant="default" disabled={painted.share === 0} onClick={painting.clear}>
             Clear
           </Button>
