@@ -208,7 +208,9 @@ export function useCollectionAction() {
       }
     },
     onSettled: () => {
-      for (const queryKey of changing) void client.invalidateQueries({ queryKey });
+      void client.invalidateQueries({ queryKey: shapeKeys.collections });
+      // What is shown may be of a collection that has another name now, or none: whoever shows a list next asks anew.
+      for (const queryKey of changing) void client.invalidateQueries({ queryKey, refetchType: "none" });
     },
   });
 }

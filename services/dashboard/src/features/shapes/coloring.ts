@@ -1,17 +1,20 @@
 import { PAINT, PLAIN, partColor, type Rgb, TAKEN } from "@/viewers/shape/colors";
 import type { ShapeModel } from "@/viewers/shape/model";
 
-/** A color for each face, red, green and blue. */
-export function colorFaces(count: number, color: (face: number) => Rgb): Float32Array {
-  const colors = new Float32Array(3 * count);
-  for (let f = 0; f < count; f += 1) colors.set(color(f), 3 * f);
+/** A color for each corner of each face, red, green and blue, by its part on a level (null: no parts). */
+function colorCorners(model: ShapeModel, level: number | null, color: (part: number | null) => Rgb): Float32Array {
+  const { faces } = model.surface;
+  const labels = level === null ? null : model.labels(level);
+  const colors = new Float32Array(3 * faces.length);
+  for (let i = 0; i < faces.length; i += 1) {
+    colors.set(color(labels?.[faces[i] as number] ?? null), 3 * i);
+  }
   return colors;
 }
 
 /** All alike, or each part of a level in its color. */
 export function colorLevel(model: ShapeModel, level: number | null): Float32Array {
-  const parts = level === null ? null : model.parts(level);
-  return colorFaces(model.surface.areas.length, (f) => (parts ? partColor(parts[f] as number) : PLAIN));
+  return colorCorners(model, level, (part) => (part === null ? PLAIN : partColor(part)));
 }
 
 /** Parts in given colors, all others in one. */
@@ -21,8 +24,7 @@ export function colorParts(
   colors: ReadonlyMap<number, Rgb>,
   others: Rgb,
 ): Float32Array {
-  const parts = model.parts(level);
-  return colorFaces(model.surface.areas.length, (f) => (parts && colors.get(parts[f] as number)) ?? others);
+  return colorCorners(model, level, (part) => (part === null ? others : (colors.get(part) ?? others)));
 }
 
 /** What is painted, and the parts that it stands for. */
@@ -32,13 +34,13 @@ export function colorPainted(
   painted: ReadonlySet<number>,
   taken: readonly number[],
 ): Float32Array {
-  const parts = model.parts(level);
   const used = new Set(taken);
-  return colorFaces(model.surface.areas.length, (f) => {
-    if (painted.has(f)) return PAINT;
-    const part = parts?.[f] ?? 0;
-    return used.has(part) ? TAKEN : mixed(PLAIN, partColor(part), 0.22); // parts are seen, but do not shine
-  });
+  // parts are seen, but do not shine
+  const colors = colorCorners(model, level, (part) =>
+    part === null ? PLAIN : used.has(part) ? TAKEN : mixed(PLAIN, partColor(part), 0.22),
+  );
+  for (const face of painted) for (let k = 0; k < 3; k += 1) colors.set(PAINT, 9 * face + 3 * k);
+  return colors;
 }
 
 function mixed(one: Rgb, other: Rgb, share: number): Rgb {

@@ -31,10 +31,28 @@ import type { LinkedView, Turn, ViewLink } from "./ViewLink";
 const FRONT = new Vector3(-0.484, 0.407, 0.775).normalize();
 const [MARGIN, NEAREST, FARTHEST] = [1.06, 1.2, 20];
 
+/**
+ * Each point of a face takes the color of its nearest corner, so that borders between parts run between vertices instead
+ * of along the edges of whole faces.
+ */
+function colorByCorner(shader: { vertexShader: string; fragmentShader: string }): void {
+  const passed = ["corner", "colorA", "colorB", "colorC"].map((name) => `varying vec3 v_${name};`).join("\n");
+  shader.vertexShader = `attribute vec3 corner, colorA, colorB, colorC;\n${passed}\n${shader.vertexShader}`.replace(
+    "#include <begin_vertex>",
+    `#include <begin_vertex>
+    v_corner = corner; v_colorA = colorA; v_colorB = colorB; v_colorC = colorC;`,
+  );
+  shader.fragmentShader = `${passed}\n${shader.fragmentShader}`.replace(
+    "#include <color_fragment>",
+    `diffuseColor.rgb *= v_corner.x >= max(v_corner.y, v_corner.z) ? v_colorA
+      : v_corner.y >= v_corner.z ? v_colorB : v_colorC;`,
+  );
+}
+
 /** Called for each point of a face that the pointer paints. */
 export type OnPaint = (face: number, at: [number, number, number]) => void;
 
-/** A shape in its principal frame, a color to each face. Draws only when something has changed. */
+/** A shape in its principal frame, a color to each corner of its faces. Draws only when something has changed. */
 export class ShapeCanvas implements LinkedView {
   readonly canvas = document.createElement("canvas");
   readonly #renderer: WebGLRenderer;
@@ -42,7 +60,8 @@ export class ShapeCanvas implements LinkedView {
   readonly #camera = new PerspectiveCamera(32, 1, 0.05, 50);
   readonly #controls: OrbitControls;
   readonly #mesh: Mesh<BufferGeometry, MeshStandardMaterial>;
-  readonly #colors: BufferAttribute;
+  /** The colors of a face's first, second and third corner, told to each of them. */
+  readonly #colors: readonly BufferAttribute[];
   readonly #graph = new Group();
   readonly #resize: ResizeObserver;
   readonly #link: ViewLink | null;
@@ -78,14 +97,15 @@ export class ShapeCanvas implements LinkedView {
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new BufferAttribute(positions, 3));
     geometry.setAttribute("normal", new BufferAttribute(cornerNormals(surface), 3));
-    this.#colors = new BufferAttribute(new Float32Array(3 * corners).fill(1), 3);
-    geometry.setAttribute("color", this.#colors);
-    const material = new MeshStandardMaterial({
-      vertexColors: true,
-      roughness: 0.6,
-      metalness: 0,
-      side: DoubleSide,
+    this.#colors = (["colorA", "colorB", "colorC"] as const).map((name) => {
+      const attribute = new BufferAttribute(new Float32Array(3 * corners).fill(0.5), 3);
+      geometry.setAttribute(name, attribute);
+      return attribute;
     });
+    const weights = Float32Array.from({ length: 3 * corners }, (_, i) => ((i % 9) % 4 === 0 ? 1 : 0));
+    geometry.setAttribute("corner", new BufferAttribute(weights, 3));
+    const material = new MeshStandardMaterial({ roughness: 0.6, metalness: 0, side: DoubleSide });
+    material.onBeforeCompile = colorByCorner;
     this.#mesh = new Mesh(geometry, material);
     this.#scene.add(this.#mesh);
     this.#controls = new OrbitControls(this.#camera, this.canvas);
@@ -137,15 +157,17 @@ export class ShapeCanvas implements LinkedView {
     this.look();
   }
 
-  /** Red, green and blue of each face, in [0, 1] as on the screen. */
-  color(faces: Float32Array): void {
+  /** Red, green and blue of each corner of each face, in [0, 1] as on the screen. */
+  color(corners: Float32Array): void {
     const color = new Color();
-    const into = this.#colors.array;
-    for (let f = 0; f < faces.length / 3; f += 1) {
-      color.setRGB(faces[3 * f] as number, faces[3 * f + 1] as number, faces[3 * f + 2] as number, "srgb");
-      for (let k = 0; k < 3; k += 1) color.toArray(into, 9 * f + 3 * k);
-    }
-    this.#colors.needsUpdate = true;
+    this.#colors.forEach((attribute, corner) => {
+      for (let f = 0; f < corners.length / 9; f += 1) {
+        const [red = 0, green = 0, blue = 0] = corners.subarray(9 * f + 3 * corner, 9 * f + 3 * corner + 3);
+        color.setRGB(red, green, blue, "srgb");
+        for (let k = 0; k < 3; k += 1) color.toArray(attribute.array, 9 * f + 3 * k);
+      }
+      attribute.needsUpdate = true;
+    });
     this.draw();
   }
 

@@ -12,7 +12,7 @@ import type { ViewLink } from "./ViewLink";
 interface ShapeViewerProps {
   label: string;
   model: Pick<UseQueryResult<ShapeModel>, "data" | "error" | "refetch">;
-  /** Red, green and blue of each face. */
+  /** Red, green and blue of each corner of each face. */
   colors: Float32Array | null;
   graph?: Graph | null;
   link?: ViewLink | null;

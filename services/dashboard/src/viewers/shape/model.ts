@@ -8,8 +8,10 @@ export interface ShapeModel {
   surface: Surface;
   /** The numbers of the levels, coarsest first. */
   levels: readonly number[];
-  /** The part of each face. */
+  /** The part of each face: that of most of its corners. */
   parts: (level: number) => Int32Array | null;
+  /** The part of each vertex. */
+  labels: (level: number) => readonly number[] | null;
   /** Where each of `count` parts is. */
   centers: (level: number, count: number) => (Vector | null)[];
 }
@@ -28,6 +30,7 @@ export function modelOf(content: ArrayBuffer, components: Components): ShapeMode
     surface,
     levels: components.levels.map(({ level }) => level),
     parts: (level) => parts.get(level) ?? null,
+    labels: (level) => components.levels.find((one) => one.level === level)?.labels ?? null,
     centers: (level, count) => {
       const own = parts.get(level);
       return own ? partCenters(surface, own, count) : new Array<null>(count).fill(null);
