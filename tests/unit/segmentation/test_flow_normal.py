@@ -16,7 +16,9 @@ from shapery_geometry.intersections import self_intersections
 from shapery_geometry.mesh import TriangleMesh, icosphere
 from shapery_geometry.rasterize import rasterize
 from shapery_geometry.volume import Volume
-from shapery_segmentation.flow import FlowState, NormalFlowParams, normal_flow
+from shapery_segmentation.flow import FlowState, NormalFlowParams, normal, normal_flow
+from shapery_segmentation.flow.evolving import Evolution
+from shapery_segmentation.mesh import DynamicMesh
 from shapery_segmentation.seeding.ball import surface_of
 from tests.support.fields import assert_sound, ball, field_of, grid
 
@@ -367,6 +369,28 @@ def test_no_setting_breaks_the_surface(
     result = normal_flow(field, None, affine, icosphere((7.5, 0, 0), 1.8, 2), params, threshold=0.0)
     if not result.vanished:
         assert_sound(result)
+
+
+def test_a_flow_that_ends_touching_itself_begins_again_with_every_move_tested(monkeypatch: pytest.MonkeyPatch) -> None:
+    points, affine = grid(26)
+    field = field_of(ball(points, (0, 0, 0), 7.0))
+    thorough: list[bool] = []
+
+    class Noted(Evolution):
+        def __init__(self, *given: object) -> None:
+            thorough.append(bool(given[-1]))
+            super().__init__(*given)  # type: ignore[arg-type]
+
+    touches = iter([False, True])
+    monkeypatch.setattr(normal, "Evolution", Noted)
+    seed = icosphere(radius=3.0)
+    with monkeypatch.context() as patched:
+        # The seed is sound; what came of it, says this, is not.
+        patched.setattr(DynamicMesh, "touches_itself", lambda self: next(touches, False))
+        result = normal_flow(field, None, affine, seed, COARSE, threshold=0.0)
+    assert thorough == [False, True]
+    assert_sound(result)
+    assert result.mesh.same_as(normal_flow(field, None, affine, seed, COARSE, threshold=0.0).mesh)
 
 
 # --- oscillation, reports, refusals --------------------------------------------------------------------------------

@@ -11,6 +11,7 @@ from shapery_contracts.errors import InvalidInput
 from shapery_geometry.intersections import self_intersections
 from shapery_geometry.mesh import TriangleMesh, icosphere
 from shapery_segmentation.mesh import DynamicMesh
+from shapery_segmentation.mesh import _grid_kernels as grid
 from shapery_segmentation.mesh import _remesh_kernels as passes
 from shapery_segmentation.mesh.arrays import CREATED, FREE_VERTEX, ORIGIN, SCALE, TOUCHED, TWIN, VERTEX_TOP
 from shapery_segmentation.mesh.invariants import defects
@@ -432,3 +433,17 @@ def test_faces_cut_into_four_leave_the_surface_as_it_is(name: str) -> None:
     assert out.edge_lengths.mean() == pytest.approx(0.5 * surface.edge_lengths.mean(), rel=0.05)
     # New vertices take the finer target of their ends.
     assert (mesh.arrays.points[mesh.live, SCALE] == 0.5).sum() > 5
+
+
+def test_the_fast_test_for_contacts_says_what_the_plain_one_says() -> None:
+    rng = np.random.default_rng(11)
+    answers = []
+    for size in (0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.6) * 3:
+        mesh = DynamicMesh(icosphere(radius=3.0, subdivisions=2), 1.0)
+        # Vertices are put where no move would put them.
+        live = mesh.live
+        mesh.arrays.points[live, :3] += rng.normal(scale=size, size=(len(live), 3)).astype(np.float32)
+        grid.measure_all(mesh.arrays)
+        answers.append(mesh.touches_itself())
+        assert answers[-1] == (mesh.contacts() > 0)
+    assert 3 < sum(answers) < len(answers) - 3
