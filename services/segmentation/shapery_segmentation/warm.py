@@ -24,6 +24,7 @@ def warm() -> None:
     from shapery_segmentation.report import write_outputs
 
     _warm_vessels()
+    _warm_general()
     spacing = 3.0
     phantom = head_phantom(
         np.random.default_rng(1), (54, 64, 54), (spacing,) * 3, tumors=[TumorSpec(radius=18.0, rim=7.0)], noise=0.01
@@ -38,8 +39,6 @@ def warm() -> None:
         fine = Volume(np.repeat(np.repeat(np.repeat(post.data, 3, 0), 3, 1), 3, 2), _thirds(post.affine))
         before = Volume(np.repeat(np.repeat(np.repeat(pre.data, 3, 0), 3, 1), 3, 2), fine.affine)
         segment(Volume(fine.data.astype(np.float32), fine.affine), before, params=params)
-        # The general mode, where a seed says which object is meant.
-        segment(post, params=SegmentationParams(mode="object", seeds=params.seeds))
 
 
 def _warm_vessels() -> None:
@@ -50,6 +49,15 @@ def _warm_vessels() -> None:
 
     volume = tube_phantom(np.random.default_rng(1), (36, 36, 36), radius=2.5).volume
     find_microhemorrhages(volume, vessels=segment_vessels(volume).mask, polarity="bright")
+
+
+def _warm_general() -> None:
+    """Recover a blob at a seed."""
+    from shapery_segmentation.phantoms.blob import blob_phantom
+    from shapery_segmentation.pipeline import segment
+
+    phantom = blob_phantom(np.random.default_rng(1))
+    segment(phantom.volume, params=SegmentationParams(mode="object", seeds=[phantom.center.tolist()]))
 
 
 def _thirds(affine: NDArray[np.float64]) -> NDArray[np.float64]:
