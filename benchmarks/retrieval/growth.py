@@ -122,7 +122,7 @@ def growth(features: Sequence[Features], sizes: Sequence[int], queries: int = QU
             seconds["candidates"] += time.process_time() - start
             places = np.sort([UUID(candidate.shape_id).int for candidate in near])
             start = time.process_time()
-            answer = _over(bank, places).search(query)
+            answer = _over(bank, places).search(query, vector=vector)
             seconds["match"] += time.process_time() - start
             compared += answer.compared
             best = whole.search(query, exhaustive=True)

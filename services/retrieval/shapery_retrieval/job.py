@@ -202,7 +202,8 @@ def search_bank(
 
     start = stage("candidates", 0.6)
     limit = PARTIAL_CANDIDATES if partial else max(CANDIDATES, 2 * params.limit)
-    near = bank.candidates(vector_of(query).tolist(), limit, version=query.index_version, only=params.filter)
+    vector = vector_of(query)
+    near = bank.candidates(vector.tolist(), limit, version=query.index_version, only=params.filter)
     seconds["candidates"] = time.perf_counter() - start
     start = stage("match", 0.7)
     searchers = searchers or Searchers()
@@ -216,6 +217,7 @@ def search_bank(
                 partial=partial,
                 rerank=params.rerank,
                 hypotheses=hypotheses,
+                vector=vector,
             )
             break
         except GoneError as error:

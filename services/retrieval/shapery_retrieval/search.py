@@ -121,6 +121,7 @@ class Searcher:
         rerank: bool = False,
         exhaustive: bool = False,
         hypotheses: Sequence[Patches] = (),
+        vector: Array | None = None,
     ) -> Answer:
         """Find the shapes that resemble a query.
 
@@ -140,6 +141,8 @@ class Searcher:
             Whether all shapes are matched part by part, and not the promising ones alone.
         hypotheses
             For a partial query its patches, for each size that it may have in a whole; by default those of its graph.
+        vector
+            The query's, where it is known.
         """
         if not self.ids:
             return Answer((), {group: 1 / len(GROUPS) for group in GROUPS}, 0)
@@ -147,10 +150,8 @@ class Searcher:
             raise InvalidInput("conflict", "The query and the bank are of different index versions.", "Index it again.")
         allowed = np.array([name != exclude for name in self.ids])
         levels = pack_levels([query])
-        if allowed.all():
-            packed = PackedGraphs(levels, vectors_of(levels, whole_arrays([query])))
-        else:  # the query is a shape of the bank, whose vector is known
-            packed = PackedGraphs(levels, self._vectors[~allowed])
+        known = vectors_of(levels, whole_arrays([query])) if vector is None else vector.astype(np.float32)[None]
+        packed = PackedGraphs(levels, known)
         weights: Mapping[str, float] = {"parts": 1.0}
         if partial:
             scores = self._partial_scores(hypotheses or [patches_of(query)], allowed)

@@ -207,3 +207,19 @@ def test_shapes_that_vanish_meanwhile_are_told(described_egg: Description, descr
 def test_the_vector_is_that_of_the_stored_graph(described_egg: Description) -> None:
     again = Arg.from_bytes(described_egg.arg.to_bytes())
     np.testing.assert_array_equal(vector_of(again), vector_of(described_egg.arg))
+
+
+def test_a_query_is_ranked_by_itself_and_not_by_what_is_left_out(
+    described_egg: Description, described_torus: Description
+) -> None:
+    args = {f"{i:02d}": arg for i, arg in enumerate(bank(described_egg.arg, described_torus.arg, 30))}
+    searcher = Searcher.of(args)
+    free = searcher.search(described_egg.arg, limit=30)
+    left_out = searcher.search(described_egg.arg, limit=30, exclude="01")
+    scores = {hit.shape_id: hit.score for hit in free.hits}
+    assert [hit.shape_id for hit in left_out.hits if int(hit.shape_id) % 2 == 0][:5] == [
+        hit.shape_id for hit in free.hits if int(hit.shape_id) % 2 == 0
+    ][:5]
+    assert all(hit.score == pytest.approx(scores[hit.shape_id], abs=0.1) for hit in left_out.hits)
+    known = searcher.search(described_egg.arg, limit=30, vector=vector_of(described_egg.arg))
+    assert [hit.score for hit in known.hits] == pytest.approx([hit.score for hit in free.hits])
