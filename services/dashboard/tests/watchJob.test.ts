@@ -117,3 +117,9 @@ it("does not let a late event bring an ended job back", () => {
   expect(mergeEvent(job, event(4, "running", 0.9))).toBe(job);
   expect(mergeEvent(job, event(6, "queued")).state).toBe("queued"); // a retry, later
 });
+
+it("says that there is a newer preview, and when there is none any more", () => {
+  const job = { state: "running", preview: 3, attempt: 1 } as Job;
+  expect(mergeEvent(job, { ...event(7, "running"), preview: 7 }).preview).toBe(7);
+  expect(mergeEvent(job, { ...event(8, "queued"), preview: 0 }).preview).toBe(0);
+});
