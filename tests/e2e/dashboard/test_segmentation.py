@@ -273,7 +273,7 @@ def test_says_that_it_cannot_draw_without_webgl(open_page: OpenPage, segmented: 
     )
     page.get_by_role("alert").get_by_text("This browser cannot draw volumes").wait_for()
     page.get_by_role("link", name="labels.nii.gz").wait_for()
-    page.get_by_role("button", name="Object 1").wait_for()
+    page.get_by_role("button", name="Object 1", exact=True).wait_for()
 
 
 def test_a_file_that_cannot_be_fetched_is_told_and_fetched_again(
