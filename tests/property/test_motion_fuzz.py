@@ -17,14 +17,19 @@ from shapery_motion import decode, info, open_motion
 from shapery_motion.container.header import MotionLimits
 from shapery_motion.container.sections import FRAME_BYTES, MAGIC, SectionReader, pack_section
 
-DATA = (Path(__file__).parent.parent / "unit" / "motion" / "golden" / "trajectory-1.1" / "corrected.smc").read_bytes()
+GOLDEN = Path(__file__).parent.parent / "unit" / "motion" / "golden"
+DATA = (GOLDEN / "trajectory-1.1" / "corrected.smc").read_bytes()
+OTHERS = {
+    "version 1.0": (GOLDEN / "trajectory" / "waving.smc").read_bytes(),
+    "gradient": (GOLDEN / "gradient-1.0.smc").read_bytes(),
+}
 TAGS = {"HEAD", "META", "GRPS", "CONN", "TMOD", "TBAS", "TFL2", "CORR", "END"}
 
 
-def sections() -> list[tuple[str, bytes]]:
-    reader = SectionReader(memoryview(DATA), len(MAGIC), len(DATA))
+def sections(of: bytes = DATA) -> list[tuple[str, bytes]]:
+    reader = SectionReader(memoryview(of), len(MAGIC), len(of))
     found = []
-    while reader.offset < len(DATA):
+    while reader.offset < len(of):
         tag, payload = reader.next()
         found.append((tag, bytes(payload)))
     return found
@@ -67,13 +72,29 @@ def test_a_flipped_bit_is_found_by_a_checksum(at: int, bit: int) -> None:
 @settings(max_examples=80, deadline=None)
 @given(st.integers(0, len(SECTIONS) - 2), st.data())
 def test_what_agrees_with_its_checksum_and_is_wrong_costs_no_more_than_it_may(which: int, data: st.DataObject) -> None:
-    payload = bytearray(SECTIONS[which][1])
+    spoil_and_open(SECTIONS, which, data)
+
+
+@pytest.mark.parametrize("name", OTHERS)
+@settings(max_examples=50, deadline=None)
+@given(st.data())
+def test_so_it_is_with_other_versions_and_profiles(name: str, data: st.DataObject) -> None:
+    those = sections(OTHERS[name])
+    spoil_and_open(those, data.draw(st.integers(0, len(those) - 2)), data)
+
+
+def spoil_and_open(those: list[tuple[str, bytes]], which: int, data: st.DataObject) -> None:
+    """Alter a section, under a checksum that agrees, and read frames."""
+    payload = bytearray(those[which][1])
     for _ in range(data.draw(st.integers(1, 4))):
         payload[data.draw(st.integers(0, len(payload) - 1))] = data.draw(st.integers(0, 255))
-    limits = MotionLimits(vertices=10_000, faces=20_000, frames=1_000, memory=4 << 20)
+    whole = MAGIC + b"".join(
+        pack_section(tag, bytes(payload) if k == which else old) for k, (tag, old) in enumerate(those)
+    )
+    limits = MotionLimits(vertices=10_000, faces=20_000, frames=1_000, memory=8 << 20)
     tracemalloc.start()
     try:
-        motion = open_motion(rebuilt({which: bytes(payload)}), limits=limits)
+        motion = open_motion(whole, limits=limits)
         for index in range(0, len(motion), 3):
             assert motion.frame(index).shape == (motion.header.vertices, 3)
     except UserError as error:

@@ -77,6 +77,14 @@ def test_a_bound_finer_than_the_coordinates_is_refused() -> None:
     assert caught.value.code == "invalid_params"
 
 
+@pytest.mark.parametrize("profile", ["trajectory", "gradient"])
+def test_coordinates_too_large_for_the_format_are_refused(profile: str) -> None:
+    frames, faces = waving(frames=3)
+    with pytest.raises(InvalidInput, match="Coordinates may be at most") as caught:
+        encode(MeshSequence(1e32 * frames, faces), MotionEncodeParams.model_validate({"profile": profile}))
+    assert caught.value.code == "invalid_mesh"
+
+
 def test_repeated_frames_cost_next_to_nothing() -> None:
     frames, faces = waving()
     once = encode(MeshSequence(frames, faces))
@@ -132,6 +140,16 @@ def test_metadata_comes_back() -> None:
     told = info(encode(SEQUENCES["two frames"], params).data)
     assert (told.fps, told.unit, told.name, told.frames) == (24.0, "m", "Grüße", 2)
     assert sum(told.sections.values()) + 8 == told.bytes
+
+
+def test_clusters_without_any_mode_stand_beside_others() -> None:
+    """What does not move enough to pay for a mode stays where the offset is."""
+    frames, faces = waving()
+    speck = 1e-7 * np.random.default_rng(3).normal(size=(len(frames), 30, 3)) + frames.mean(axis=(0, 1))
+    sequence = MeshSequence(np.concatenate((frames, speck), axis=1), faces)
+    encoding = encode(sequence, MotionEncodeParams(kg=0.5, clusters=3))
+    assert encoding.clusters == 3
+    assert errors_of(sequence, encoding.data).kg_percent <= 0.5
 
 
 def test_links_in_any_order_of_rounding_give_the_same_vertices(monkeypatch: pytest.MonkeyPatch) -> None:

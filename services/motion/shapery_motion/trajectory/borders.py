@@ -35,7 +35,7 @@ class DecodedCluster:
 
 def in_rows(functions: FloatArray) -> FloatArray:
     """Return functions (F, r, 3) as rows (r, 3 F)."""
-    return np.ascontiguousarray(functions.transpose(1, 0, 2)).reshape(functions.shape[1], -1)
+    return np.ascontiguousarray(functions.transpose(1, 0, 2)).reshape(functions.shape[1], 3 * len(functions))
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import struct
 from dataclasses import dataclass
 from functools import cached_property
@@ -21,6 +20,8 @@ FIELDS, FIRST_FIELDS = "TFL2", "TFLD"
 """The stream of fields as it is written, and as version 1.0 of the format had it."""
 MAX_CLUSTERS: Final = 1 << 16
 MAX_RANK: Final = 4096
+FARTHEST: Final = 1e30
+"""Coordinates stay below this: no square overflows, and single precision holds them."""
 
 _FIXED: Final = struct.Struct("<4d3I")
 
@@ -85,8 +86,8 @@ class GroupModel:
         if len(payload) < _FIXED.size:
             raise damaged(MODEL, f"has {len(payload)} bytes, fewer than {_FIXED.size}")
         x, y, z, step, kept, clusters, total = _FIXED.unpack_from(payload)
-        if not all(map(math.isfinite, (x, y, z, step))) or step <= 0:
-            raise damaged(MODEL, f"has the step {step}")
+        if not (max(abs(x), abs(y), abs(z)) <= FARTHEST and 0 < step <= FARTHEST):
+            raise damaged(MODEL, f"has the step {step} and the offset {x}, {y}, {z}")
         if not (1 <= kept <= frames and 1 <= clusters <= min(MAX_CLUSTERS, graph.vertices)):
             raise damaged(MODEL, f"tells of {clusters} clusters of {graph.vertices} vertices in {kept} frames")
         if not clusters <= total <= clusters * kept:

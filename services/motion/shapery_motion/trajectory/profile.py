@@ -18,7 +18,7 @@ from shapery_motion.trajectory import _frame_kernels as kernels
 from shapery_motion.trajectory.borders import Border, DecodedCluster, in_rows, numbers_within
 from shapery_motion.trajectory.clustering import find_clusters
 from shapery_motion.trajectory.encoding import Cluster, Encoded, encode_at, prepare
-from shapery_motion.trajectory.model import BASES, FIELDS, FIRST_FIELDS, MODEL, GroupModel
+from shapery_motion.trajectory.model import BASES, FARTHEST, FIELDS, FIRST_FIELDS, MODEL, GroupModel
 from shapery_motion.trajectory.streams import BasisStream, FieldStream, PairingTree
 
 FloatArray = NDArray[np.float64]
@@ -45,6 +45,8 @@ and when there is none."""
 def encode_group(task: GroupTask) -> EncodedGroup:
     """Encode a group of frames: see `shapery_motion.profiles.Profile`."""
     frames, n = len(task.frames), task.frames.shape[1]
+    if not np.abs(task.frames).max(initial=0.0) <= 1e-3 * FARTHEST:
+        raise InvalidInput("invalid_mesh", f"Coordinates may be at most {1e-3 * FARTHEST:g}.", "Use another unit.")
     graph = VertexGraph.of_faces(n, task.faces)
     allowed = min(task.squared_error, frames * n * (task.largest / TAIL) ** 2)
     if not math.isfinite(allowed) or allowed <= 0.0:
@@ -224,6 +226,8 @@ def open_group(
             border = Border.of_members(graph, members, model.labels, local)
             found = field_stream.code(tree, rank, beside=border.predict(done, in_rows(functions)))
             done.append(DecodedCluster.of(found, functions))
-        fields.append(found * model.step)
         field_stream.stream.check_end(tag)
+        fields.append(found * model.step)
+        if found.size and not np.abs(fields[-1]).max(axis=1).sum() <= FARTHEST:
+            raise damaged(tag, "has numbers that no encoder writes")
     return TrajectoryGroup(model, fields, bases)

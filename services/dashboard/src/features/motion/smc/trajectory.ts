@@ -58,6 +58,9 @@ export class TrajectoryGroup {
     const kept = view.getUint32(32, true);
     const count = view.getUint32(36, true);
     const runsTogether = view.getUint32(40, true);
+    if (this.#offset.some((value) => !(Math.abs(value) <= 1e30)) || !(step > 0 && step <= 1e30)) {
+      throw new CorruptMotion("TMOD", "has a step or an offset that no encoder writes");
+    }
     if (kept < 1 || kept > frames || count < 1 || count > vertices || runsTogether > count * kept) {
       throw new CorruptMotion("TMOD", "tells of more than there can be");
     }
