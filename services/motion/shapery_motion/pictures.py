@@ -33,9 +33,11 @@ def clusters_png(vertices: FrameArray, faces: IntArray, labels: IntArray) -> byt
     points = points - points[used].mean(axis=0)
     scatter, axes = np.linalg.eigh(points[used].T @ points[used])
     axes = axes[:, np.argsort(-scatter, kind="stable")]
-    axes[:, 2] *= np.sign(np.linalg.det(axes)) or 1.0
-    # the longest direction stands, and everything is turned a little, so that depth is seen
-    turned = points @ axes[:, [1, 0, 2]] * [1.0, 1.0, -1.0]
+    # the longest direction stands, the shortest points to the eye, both as the coordinate axes nearest to them run
+    axes *= np.sign(axes[np.abs(axes).argmax(axis=0), np.arange(3)])
+    up, eye = axes[:, 0], axes[:, 2]
+    # everything is turned a little, so that depth is seen
+    turned = points @ np.stack((np.cross(up, eye), up, eye), axis=1)
     c, s = math.cos(0.45), math.sin(0.45)
     turned = np.stack((c * turned[:, 0] + s * turned[:, 2], turned[:, 1], c * turned[:, 2] - s * turned[:, 0]), axis=1)
     low, high = turned[used].min(axis=0), turned[used].max(axis=0)

@@ -206,7 +206,7 @@ def test_numbering_without_gaps_is_taken(names: list[str]) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "bits"),
-    [("chickenCrossing", 0.33), ("horse-gallop", 0.68), ("mmface4d-3k", 0.99), ("pcow", 1.5), ("pdance", 0.25)],
+    [("chickenCrossing", 0.33), ("horse-gallop", 0.64), ("mmface4d-3k", 0.97), ("pcow", 1.45), ("pdance", 0.235)],
 )
 def test_real_motions_meet_the_default_bound_at_a_low_rate(shared_data: object, name: str, bits: float) -> None:
     sequence = read_sequence(f"{shared_data}/motion/{name}.npz")
