@@ -12,8 +12,9 @@ it("an exported scene is loaded by three, and moves as the motion does", async (
   const scene = await new GLTFLoader().parseAsync(read("trajectory-1.1.glb").buffer, "");
   const mesh = scene.scene.getObjectByProperty("type", "Mesh");
   if (!(mesh instanceof Mesh)) throw new Error("there is no mesh in the scene");
-  expect(mesh.geometry.getAttribute("position").count).toBe(vertices);
-  expect([...(mesh.geometry.getIndex()?.array ?? [])]).toEqual([...motion.faces]);
+  const { geometry } = mesh as Mesh;
+  expect(geometry.getAttribute("position").count).toBe(vertices);
+  expect([...(geometry.getIndex()?.array ?? [])]).toEqual([...motion.faces]);
   const [clip] = scene.animations;
   if (!clip) throw new Error("there is no animation in the scene");
   expect(clip.duration).toBeCloseTo((frames - 1) / fps);
