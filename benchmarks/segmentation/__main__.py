@@ -30,6 +30,7 @@ def main() -> None:
     parser.add_argument("--part", nargs="*", choices=PARTS, default=list(PARTS), help="what to measure")
     parser.add_argument("--only", nargs="*", default=[], help="parts of the names of the cases to measure")
     parser.add_argument("--peer", nargs="*", choices=list(PEERS), default=list(PEERS), help="peers to measure")
+    parser.add_argument("--beside", nargs="*", default=[], help="parts of the names of the cases to run peers on")
     parser.add_argument("--cache", type=Path, default=Path(tempfile.gettempdir()) / "shapery-bench-segmentation")
     parser.add_argument("--time-limit", type=float, default=180.0, help="seconds for one setting of one peer")
     parser.add_argument("--results", type=Path, default=RESULTS)
@@ -45,7 +46,7 @@ def main() -> None:
         results["real"] = [_ours(case, process, cache, key) for case in real]
     counted = [c for c, row in zip(real, results.get("real", []), strict=False) if _counts(row)]
     if "peers" in given.part and counted:
-        results["peers"] = _peers(counted, given.peer, cache, given.time_limit)
+        results["peers"] = _peers([c for c in counted if _wanted(c, given.beside)], given.peer, cache, given.time_limit)
     if "settings" in given.part and counted:
         results["settings"] = {c.name: cache.get(f"settings {c.name}", key, lambda c=c: _settings(c)) for c in counted}
     if "phantoms" in given.part:
@@ -151,6 +152,10 @@ def document(results: dict[str, Any]) -> str:
         ]
     if "peers" in results:
         by_name = {row["name"]: row for row in counted}
+        compared = [
+            name for name in names if all(name in row for rows in results["peers"].values() for row in rows.values())
+        ]
+        left_out = [name for name in names if name not in compared]
         text += [
             "",
             "## Beside peers",
@@ -159,11 +164,17 @@ def document(results: dict[str, Any]) -> str:
             "very cases, which favours it, and beside it what is left when each case's setting is chosen on the",
             "others. CPU seconds are of the method alone, mean over cases; ours is that of the flow. Peers work in the",
             "box of our flow, with 16 voxels around it on the plain difference: this spares them time and leaks.",
-            *tables.peers_table(by_name, results["peers"], names, clear),
+            *([f"Left out here: {', '.join(left_out)}."] if left_out else []),
+            *tables.peers_table(
+                {name: by_name[name] for name in compared},
+                results["peers"],
+                compared,
+                [name for name in compared if name in clear],
+            ),
             "",
         ]
         if all("threshold_level_set" in rows for rows in results["peers"].values()):
-            text += tables.ratio_lines(by_name, results["peers"], names)
+            text += tables.ratio_lines(by_name, results["peers"], compared)
     if "phantoms" in results:
         text += ["", "## Phantoms", "", "Heads with known truth, as the real cases are done:", ""]
         text += tables.cases_table(results["phantoms"])
