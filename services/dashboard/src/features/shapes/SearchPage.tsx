@@ -6,7 +6,7 @@ import { useState } from "react";
 import { ApiError } from "@/api/problem";
 import { assetQuery } from "@/api/queries";
 import { requestOf, searchJobQuery, searchQuery } from "@/api/search";
-import { shapeQuery } from "@/api/shapes";
+import { collectionsQuery, shapeQuery } from "@/api/shapes";
 import { isTerminal, type Job, type SearchAnswer } from "@/api/types";
 import { LinkAnchor, LinkButton } from "@/app/links";
 import { Empty, Failure, Waiting } from "@/app/Notice";
@@ -145,11 +145,7 @@ function Searching({ address }: { address: SearchAddress }) {
               {hits.length === 0 ? (
                 <Paper>
                   <Empty icon={<SearchX size={28} />} title="Nothing was found">
-                    <Text size="sm" c="dimmed">
-                      {address.collection || address.labels
-                        ? "No other shape is in this collection and carries these labels."
-                        : "There is no other shape in the bank yet."}
-                    </Text>
+                    <NothingFound narrowed={Boolean(address.collection ?? address.labels)} />
                   </Empty>
                 </Paper>
               ) : (
@@ -165,6 +161,30 @@ function Searching({ address }: { address: SearchAddress }) {
         )}
       </Stack>
     </Page>
+  );
+}
+
+/** Why a search may have found nothing. */
+function NothingFound({ narrowed }: { narrowed: boolean }) {
+  const collections = useQuery(collectionsQuery);
+  const outdated = collections.data?.reduce((sum, one) => sum + one.outdated, 0) ?? 0;
+  return (
+    <Text size="sm" c="dimmed">
+      {narrowed
+        ? "No other shape is in this collection and carries these labels."
+        : outdated === 0
+          ? "There is no other shape in the bank yet."
+          : "No other shape can be compared."}
+      {outdated > 0 && (
+        <>
+          {" "}
+          <LinkAnchor to="/shapes" search={{ outdated: true }} size="sm">
+            {integer(outdated)} indexed by an older version
+          </LinkAnchor>{" "}
+          can be found once they are indexed again, collection by collection.
+        </>
+      )}
+    </Text>
   );
 }
 
