@@ -21,8 +21,8 @@ from shapery_motion.trajectory.streams import BasisStream, FieldStream, PairingT
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-LARGEST: Final = (1 << 23) - 1
-"""The largest whole number that is coded."""
+LARGEST: Final = (1 << 24) - (1 << 20)
+"""Where whole numbers end that are coded, a little below what the format can hold."""
 TRADE: Final = 0.08
 """Squared error, in squared steps, for which a bit is spared."""
 GRID: Final = 4

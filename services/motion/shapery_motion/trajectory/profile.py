@@ -27,7 +27,7 @@ PART_NAMES: Final = {MODEL: "clusters", BASES: "bases", FIELDS: "fields"}
 TAIL: Final = 3.5
 """Where only the largest error is bounded, the root mean squared one is this many times smaller; vertices farther off
 are corrected one by one."""
-FIRST: Final = 4.5
+FIRST: Final = 12.0
 """Squared step, in mean squared errors of a vertex, where the search for it begins."""
 SLOPE: Final = 0.39
 """By which power of the squared error the size falls, about: by 42 % from one error to twice the error."""
