@@ -85,6 +85,14 @@ def test_coordinates_too_large_for_the_format_are_refused(profile: str) -> None:
     assert caught.value.code == "invalid_mesh"
 
 
+def test_a_fine_bound_on_a_long_motion_far_away_is_met() -> None:
+    """The first step that is tried is finer than the last: it must not be refused as too fine."""
+    frames, faces = waving(frames=8)
+    sequence = MeshSequence(frames + 40 * np.sin(np.arange(8.0))[:, None, None], faces)
+    found = errors_of(sequence, encode(sequence, MotionEncodeParams(max_error=2e-5)).data)
+    assert found.largest_fraction <= 2e-5
+
+
 def test_repeated_frames_cost_next_to_nothing() -> None:
     frames, faces = waving()
     once = encode(MeshSequence(frames, faces))

@@ -17,7 +17,7 @@ from shapery_motion.profiles import EncodedGroup, GroupTask
 from shapery_motion.trajectory import _frame_kernels as kernels
 from shapery_motion.trajectory.borders import Border, DecodedCluster, in_rows, numbers_within
 from shapery_motion.trajectory.clustering import find_clusters
-from shapery_motion.trajectory.encoding import Cluster, Encoded, encode_at, prepare
+from shapery_motion.trajectory.encoding import LARGEST, Cluster, Encoded, encode_at, prepare
 from shapery_motion.trajectory.model import BASES, FARTHEST, FIELDS, FIRST_FIELDS, MODEL, GroupModel
 from shapery_motion.trajectory.streams import BasisStream, FieldStream, PairingTree
 
@@ -27,7 +27,7 @@ PART_NAMES: Final = {MODEL: "clusters", BASES: "bases", FIELDS: "fields"}
 TAIL: Final = 3.5
 """Where only the largest error is bounded, the root mean squared one is this many times smaller; vertices farther off
 are corrected one by one."""
-FIRST: Final = 12.0
+FIRST: Final = 4.5
 """Squared step, in mean squared errors of a vertex, where the search for it begins."""
 SLOPE: Final = 0.39
 """By which power of the squared error the size falls, about: by 42 % from one error to twice the error."""
@@ -58,7 +58,8 @@ def encode_group(task: GroupTask) -> EncodedGroup:
     lost = float(sum(((task.frames[f] - moving[s]) ** 2).sum() for f, s in enumerate(sources)))
     # what the differences of frames shown more than once add to the error, about
     target = allowed - lost
-    step = math.sqrt(FIRST * target / (frames * n))
+    # a first step that is finer than the one that will be used must not be too fine for the coder
+    step = max(math.sqrt(FIRST * target / (frames * n)), math.sqrt(float((trajectories**2).sum())) / LARGEST)
     thorough = task.preset == "default"
     if thorough:
         step = about_the_step(trajectories, graph, step, target, offset=offset, sources=sources)
