@@ -9,6 +9,7 @@ import numpy as np
 
 from benchmarks.retrieval.features import Features
 from shapery_geometry.mesh import TriangleMesh
+from shapery_geometry.threads import one_blas_thread
 from shapery_retrieval.decompose import decompose
 from shapery_retrieval.nodes import build_levels
 from shapery_retrieval.normalise import normalise
@@ -18,6 +19,7 @@ from shapery_retrieval.signals import compute_signals
 from shapery_retrieval.whole import whole_descriptors
 
 
+@one_blas_thread()
 def index_profile(meshes: Sequence[TriangleMesh]) -> dict[str, float]:
     """Return the mean CPU seconds of each stage of indexing a mesh."""
     total = dict.fromkeys(("normalise", "signals", "decompose", "describe parts", "views and whole", "patches"), 0.0)
