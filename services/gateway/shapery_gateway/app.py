@@ -28,6 +28,7 @@ from shapery_gateway.middleware.trust import LOOPBACK_HOSTS, TrustMiddleware, ho
 from shapery_gateway.middleware.tus import TusMiddleware
 from shapery_gateway.reference.routes import router as reference
 from shapery_gateway.search.routes import router as search
+from shapery_gateway.shapes.routes import labels_router as labels
 from shapery_gateway.shapes.routes import router as shapes
 from shapery_gateway.uploads.routes import PREFIX as UPLOADS
 from shapery_gateway.uploads.routes import router as uploads
@@ -90,7 +91,7 @@ def create_app(settings: Settings) -> FastAPI:
     )
     app.state.settings = settings
     problems.install(app)
-    routers = (health, kinds, uploads, assets, jobs, batches, collections, shapes, search, keys, reference)
+    routers = (health, kinds, uploads, assets, jobs, batches, collections, shapes, labels, search, keys, reference)
     for router in routers:
         app.include_router(router)
     app.state.api_routes = [route for router in routers for route in router.routes]

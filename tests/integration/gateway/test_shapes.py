@@ -55,7 +55,7 @@ def test_a_shape_and_its_files(platform: Platform, http: httpx.Client) -> None:
         assert http.head(shape[url]).status_code == 200
         assert http.get(shape[url], headers={"If-None-Match": response.headers["etag"]}).status_code == 304
     assert http.get(shape["components_url"]).headers["content-type"] == "application/json"
-    assert http.get(f"/v1/shapes/{shape['id']}/report.json").status_code == 422
+    assert http.get(f"/v1/shapes/{shape['id']}/report.json").status_code == 404
 
 
 def test_shapes_are_listed_changed_and_deleted(platform: Platform, http: httpx.Client) -> None:
@@ -95,16 +95,16 @@ def test_labels_are_counted(platform: Platform, http: httpx.Client) -> None:
         [("bones", {"sex": "f"}), ("bones", {"sex": "m"}), ("skulls", {"sex": "f", "a": "b"})]
     ):
         index(platform, http, seed, collection=collection, labels=labels)
-    found = http.get("/v1/shapes/labels").json()
+    found = http.get("/v1/labels").json()
     assert found == [
         {"name": "sex", "value": "f", "shapes": 2},
         {"name": "a", "value": "b", "shapes": 1},
         {"name": "sex", "value": "m", "shapes": 1},
     ]
-    assert http.get("/v1/shapes/labels", params={"limit": 1}).json() == found[:1]
-    narrowed = http.get("/v1/shapes/labels", params={"collection": "bones"}).json()
+    assert http.get("/v1/labels", params={"limit": 1}).json() == found[:1]
+    narrowed = http.get("/v1/labels", params={"collection": "bones"}).json()
     assert [(label["value"], label["shapes"]) for label in narrowed] == [("f", 1), ("m", 1)]
-    assert http.get("/v1/shapes/labels", params={"collection": "none"}).status_code == 404
+    assert http.get("/v1/labels", params={"collection": "none"}).status_code == 404
 
 
 def test_collections(platform: Platform, http: httpx.Client) -> None:
@@ -179,6 +179,6 @@ def test_nothing_of_somebody_else_exists(local_settings: Make, serve: Serve) -> 
             assert bob.delete(address).status_code == 404
             assert bob.post(f"{address}/reindex").status_code == 404
         assert bob.get("/v1/shapes").json()["items"] == []
-        assert bob.get("/v1/shapes/labels").json() == []
+        assert bob.get("/v1/labels").json() == []
         assert bob.get("/v1/collections").json()["items"] == []
         assert ann.get(addresses[0]).json()["name"] == "femur"

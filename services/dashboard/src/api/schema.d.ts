@@ -563,6 +563,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/labels": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Which labels your shapes carry
+         * @description Names and values with the number of shapes that carry them, the most frequent first.
+         */
+        get: operations["listShapeLabels"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/search": {
         parameters: {
             query?: never;
@@ -693,26 +713,6 @@ export interface paths {
          * @description Queue a job that replaces it as a whole; until its end the old one is shown.
          */
         post: operations["reindexShape"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/v1/shapes/labels": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /**
-         * Which labels your shapes carry
-         * @description Names and values with the number of shapes that carry them, the most frequent first.
-         */
-        get: operations["listShapeLabels"];
-        put?: never;
-        post?: never;
         delete?: never;
         options?: never;
         head?: never;
@@ -8209,6 +8209,171 @@ export interface operations {
             };
         };
     };
+    listShapeLabels: {
+        parameters: {
+            query?: {
+                /** @description Only of the collection of this name. */
+                collection?: string | null;
+                /** @description Items a page may have. */
+                limit?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LabelCount"][];
+                };
+            };
+            /** @description `unauthenticated`: An API key is needed, and none or an unknown one was given. */
+            401: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:unauthenticated",
+                     *       "title": "An API key is needed, and none or an unknown one was given.",
+                     *       "status": 401,
+                     *       "detail": "An API key is needed, and none or an unknown one was given.",
+                     *       "code": "unauthenticated",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `forbidden`: The API key has no scope that allows this. */
+            403: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:forbidden",
+                     *       "title": "The API key has no scope that allows this.",
+                     *       "status": 403,
+                     *       "detail": "The API key has no scope that allows this.",
+                     *       "code": "forbidden",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `not_found`: There is no such resource, or it is not yours. */
+            404: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:not_found",
+                     *       "title": "There is no such resource, or it is not yours.",
+                     *       "status": 404,
+                     *       "detail": "There is no such resource, or it is not yours.",
+                     *       "code": "not_found",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `validation_failed`: The request does not have the form it must have. */
+            422: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:validation_failed",
+                     *       "title": "The request does not have the form it must have.",
+                     *       "status": 422,
+                     *       "detail": "The request does not have the form it must have.",
+                     *       "code": "validation_failed",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `rate_limited`: Too many requests in a short time. */
+            429: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:rate_limited",
+                     *       "title": "Too many requests in a short time.",
+                     *       "status": 429,
+                     *       "detail": "Too many requests in a short time.",
+                     *       "code": "rate_limited",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Any other error. */
+            default: {
+                headers: {
+                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
+                    "X-Request-Id"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "type": "urn:shapery:problem:internal_error",
+                     *       "title": "The fault is ours; it was logged under the given request id.",
+                     *       "status": 500,
+                     *       "detail": "The fault is ours; it was logged under the given request id.",
+                     *       "code": "internal_error",
+                     *       "hint": "",
+                     *       "instance": "/v1/…",
+                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
+                     *     }
+                     */
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     search: {
         parameters: {
             query?: {
@@ -9772,171 +9937,6 @@ export interface operations {
                      *       "status": 410,
                      *       "detail": "An input of the job has been deleted.",
                      *       "code": "input_expired",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description `validation_failed`: The request does not have the form it must have. */
-            422: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:validation_failed",
-                     *       "title": "The request does not have the form it must have.",
-                     *       "status": 422,
-                     *       "detail": "The request does not have the form it must have.",
-                     *       "code": "validation_failed",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description `rate_limited`: Too many requests in a short time. */
-            429: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:rate_limited",
-                     *       "title": "Too many requests in a short time.",
-                     *       "status": 429,
-                     *       "detail": "Too many requests in a short time.",
-                     *       "code": "rate_limited",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Any other error. */
-            default: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:internal_error",
-                     *       "title": "The fault is ours; it was logged under the given request id.",
-                     *       "status": 500,
-                     *       "detail": "The fault is ours; it was logged under the given request id.",
-                     *       "code": "internal_error",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
-    listShapeLabels: {
-        parameters: {
-            query?: {
-                /** @description Only of the collection of this name. */
-                collection?: string | null;
-                /** @description Items a page may have. */
-                limit?: number;
-            };
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["LabelCount"][];
-                };
-            };
-            /** @description `unauthenticated`: An API key is needed, and none or an unknown one was given. */
-            401: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:unauthenticated",
-                     *       "title": "An API key is needed, and none or an unknown one was given.",
-                     *       "status": 401,
-                     *       "detail": "An API key is needed, and none or an unknown one was given.",
-                     *       "code": "unauthenticated",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description `forbidden`: The API key has no scope that allows this. */
-            403: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:forbidden",
-                     *       "title": "The API key has no scope that allows this.",
-                     *       "status": 403,
-                     *       "detail": "The API key has no scope that allows this.",
-                     *       "code": "forbidden",
-                     *       "hint": "",
-                     *       "instance": "/v1/…",
-                     *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"
-                     *     }
-                     */
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description `not_found`: There is no such resource, or it is not yours. */
-            404: {
-                headers: {
-                    /** @description The id under which the request is logged; the one that was sent, if it was well-formed. */
-                    "X-Request-Id"?: string;
-                    [name: string]: unknown;
-                };
-                content: {
-                    /**
-                     * @example {
-                     *       "type": "urn:shapery:problem:not_found",
-                     *       "title": "There is no such resource, or it is not yours.",
-                     *       "status": 404,
-                     *       "detail": "There is no such resource, or it is not yours.",
-                     *       "code": "not_found",
                      *       "hint": "",
                      *       "instance": "/v1/…",
                      *       "request_id": "0c9f3c5c6f0b4b5c9e7a4d1d1f6f2f3a"

@@ -84,7 +84,7 @@ export const labelsQuery = (collection: string | undefined) =>
   queryOptions({
     queryKey: shapeKeys.labels(collection),
     queryFn: ({ signal }) =>
-      body(api.GET("/v1/shapes/labels", { params: { query: collection ? { collection } : {} }, signal })),
+      body(api.GET("/v1/labels", { params: { query: collection ? { collection } : {} }, signal })),
     staleTime: 20_000,
   });
 

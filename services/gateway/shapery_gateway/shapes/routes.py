@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+import re
+from typing import Annotated, Any, get_args
 from uuid import UUID
 
 from fastapi import APIRouter, Query, Request, Response
+from starlette.convertors import StringConvertor, register_url_convertor
 
 from shapery_contracts.api import JobView, Page
 from shapery_contracts.shapes import LabelCount, ShapeDetail, ShapeUpdate, ShapeView
@@ -15,7 +17,17 @@ from shapery_gateway.http.documentation import CONTENT_PARAMETERS, CONTENT_PROBL
 from shapery_gateway.openapi import COMMON_PROBLEMS, problems
 from shapery_gateway.shapes import service
 
+
+class _FileConvertor(StringConvertor):
+    """Only the names that a shape's files have, so that its other resources answer for themselves."""
+
+    regex = "|".join(re.escape(name) for name in get_args(service.ShapeFileName))
+
+
+register_url_convertor("shape_file", _FileConvertor())
+
 router = APIRouter(prefix="/v1/shapes", tags=["shapes"])
+labels_router = APIRouter(prefix="/v1/labels", tags=["shapes"])
 
 _JOB: dict[str, Any] = {"Location": {"description": "The job's address.", "schema": {"type": "string"}}}
 _CONTENT = {**CONTENT_RESPONSES, **problems(*COMMON_PROBLEMS, *CONTENT_PROBLEMS)}
@@ -50,8 +62,8 @@ def list_shapes(
     )
 
 
-@router.get(
-    "/labels",
+@labels_router.get(
+    "",
     operation_id="listShapeLabels",
     summary="Which labels your shapes carry",
     responses=problems(*COMMON_PROBLEMS, "not_found"),
@@ -120,14 +132,14 @@ def reindex_shape(
 
 
 @router.get(
-    "/{shape_id}/{file}",
+    "/{shape_id}/{file:shape_file}",
     operation_id="getShapeFile",
     summary="A shape's graph, or what viewers show of it",
     response_class=Response,
     openapi_extra=_PARAMETERS,
     responses=_CONTENT,
 )
-@router.head("/{shape_id}/{file}", response_class=Response, include_in_schema=False)
+@router.head("/{shape_id}/{file:shape_file}", response_class=Response, include_in_schema=False)
 def get_shape_file(
     backend: BackendDep, caller: Reader, request: Request, shape_id: UUID, file: service.ShapeFileName
 ) -> Response:
