@@ -1,5 +1,6 @@
 import { ActionIcon, Slider, Text } from "@mantine/core";
 import { Pause, Play } from "lucide-react";
+import { useState } from "react";
 import classes from "./play.module.css";
 
 interface PlayControlsProps {
@@ -13,6 +14,10 @@ interface PlayControlsProps {
 
 /** Play, pause, and a slider over the frames, at the foot of a viewer. */
 export function PlayControls({ count, shown, playing, onPlaying, onFrame }: PlayControlsProps) {
+  // A frame is shown some time after it was asked for. Until then the slider stands where it was put, or the next key
+  // would begin at the frame before.
+  const [asked, setAsked] = useState<number | null>(null);
+  if (asked === shown || (asked !== null && playing)) setAsked(null);
   return (
     <div className={classes.bar}>
       <ActionIcon
@@ -33,8 +38,9 @@ export function PlayControls({ count, shown, playing, onPlaying, onFrame }: Play
         min={0}
         max={Math.max(count - 1, 1)}
         disabled={count < 2}
-        value={shown}
+        value={asked ?? shown}
         onChange={(index) => {
+          setAsked(index);
           onPlaying(false);
           onFrame(index);
         }}
