@@ -15,7 +15,7 @@ from shapery_geometry.mask_metrics import intersection_over_union
 from shapery_geometry.mesh_io import read_mesh
 from shapery_geometry.volume_io import read_volume
 
-pytestmark = pytest.mark.data
+pytestmark = [pytest.mark.data, pytest.mark.slow]
 
 # The expert's labels: 1 necrotic or non-enhancing core, 2 edema, 4 enhancing tumor.
 CASES = [("tumor_brats18_tcia01_231_1", 0.80, 0.85), ("tumor_brats21_00006", 0.77, 0.88)]

@@ -87,6 +87,7 @@ def test_items_become_jobs_in_their_order(database: Database, new_batch: Callabl
     assert len(page) == 7
 
 
+@pytest.mark.slow
 def test_ten_thousand_items(
     database: Database, settings: Settings, new_asset: Callable[..., UUID], new_batch: Callable[..., UUID]
 ) -> None:

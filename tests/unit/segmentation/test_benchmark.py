@@ -13,6 +13,8 @@ from benchmarks.segmentation.cache import Cache, digest, digest_arrays
 from benchmarks.segmentation.peers import PEERS
 from shapery_geometry.mask_metrics import intersection_over_union
 
+pytestmark = pytest.mark.slow
+
 SIDE = 28
 
 LEAST = {"fast_marching": 0.6, "two_gaussians": 0.6}

@@ -326,6 +326,7 @@ def test_noise_never_breaks_the_surface(seed: int, contrast: float, grain: float
 
 @given(seed=st.integers(0, 2**32 - 1))
 @settings(max_examples=8, deadline=None)
+@pytest.mark.slow
 def test_a_field_that_flips_every_voxel_never_breaks_the_surface(seed: int) -> None:
     rng = np.random.default_rng(seed)
     index = np.stack(np.meshgrid(*(np.arange(16),) * 3, indexing="ij"), axis=-1)

@@ -17,6 +17,8 @@ from shapery_segmentation.modes import choose_mode, looks_like_head
 from shapery_segmentation.phantoms import HeadPhantom
 from shapery_segmentation.phantoms.blob import BlobPhantom, blob_phantom
 
+pytestmark = pytest.mark.slow
+
 GRIDS = {"cubes": None, "slices of 2 mm": np.diag([1.0, 1.0, 2.0, 1.0])}
 
 

@@ -21,6 +21,8 @@ from shapery_segmentation.objects import spread
 from shapery_segmentation.phantoms import HeadPhantom, TumorSpec, head_phantom
 from shapery_segmentation.registration import rigid
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def result(head: HeadPhantom) -> Segmentation:

@@ -14,6 +14,8 @@ from shapery_geometry.volume_io import read_volume
 from shapery_segmentation.phantoms import HeadPhantom, head_phantom
 from shapery_segmentation.registration import Registration, align, register, rigid, rotation_degrees
 
+pytestmark = pytest.mark.slow
+
 PLACES = np.random.default_rng(1).uniform(-60, 60, (200, 3))
 
 

@@ -14,6 +14,8 @@ from shapery_geometry.volume import Volume
 from shapery_segmentation import Segmentation, segment, write_outputs
 from shapery_segmentation.phantoms import VesselPhantom, vessel_tree_phantom
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def phantom() -> VesselPhantom:

@@ -17,6 +17,8 @@ from shapery_segmentation.microhemorrhage import find_microhemorrhages
 from shapery_segmentation.phantoms.vessels import VesselPhantom, tube_phantom, vessel_tree_phantom
 from shapery_segmentation.vessels import Vessels, segment_vessels
 
+pytestmark = pytest.mark.slow
+
 FloatArray = NDArray[np.float64]
 
 
