@@ -74,9 +74,14 @@ def _already_there(client: Client, files: Sequence[Path], collection: str) -> li
     """Return the files that shapes of a collection were made of by this index version."""
     names = {path.name for path in files}
     known: dict[str, list[UUID]] = {}
-    for shape in client.shapes(collection=collection):
-        if shape.name in names and not shape.outdated:
-            known.setdefault(shape.name, []).append(shape.asset_id)
+    try:
+        for shape in client.shapes(collection=collection):
+            if shape.name in names and not shape.outdated:
+                known.setdefault(shape.name, []).append(shape.asset_id)
+    except ApiError as error:
+        if error.status == HTTPStatus.NOT_FOUND:
+            return []  # the collection is made by the first job
+        raise
     found = []
     for path in files:
         if path.name in known:
