@@ -1,5 +1,6 @@
+import { QueryClient } from "@tanstack/react-query";
 import { afterEach, beforeEach, expect, it, vi } from "vitest";
-import { mergeEvent } from "@/api/queries";
+import { keys, mergeEvent, newestEvent } from "@/api/queries";
 import type { Job, JobEvent } from "@/api/types";
 import { watchJob } from "@/api/watchJob";
 
@@ -49,11 +50,12 @@ afterEach(() => {
   vi.useRealTimers();
 });
 
-function watch() {
+function watch(after = 0) {
   const controller = new AbortController();
   const seen: number[] = [];
   const modes: string[] = [];
   const done = watchJob(ID, {
+    after,
     onEvent: ({ seq }) => seen.push(seq),
     onMode: (mode) => modes.push(mode),
     signal: controller.signal,
@@ -106,20 +108,40 @@ it("stops when nobody watches any longer", async () => {
   expect(fetched.mock.calls.length).toBe(asked);
 });
 
-it("does not let a late event bring an ended job back", () => {
-  const job = {
-    state: "succeeded",
-    fraction: 1,
-    stage: "",
-    message: "",
-    finished_at: "2026-01-01T00:00:05Z",
-  } as Job;
-  expect(mergeEvent(job, event(4, "running", 0.9))).toBe(job);
-  expect(mergeEvent(job, event(6, "queued")).state).toBe("queued"); // a retry, later
+it("begins after what is known, and has nothing to do where a job has ended with that", async () => {
+  fetched.mockResolvedValueOnce(new Response(null, { status: 204 }));
+  const { seen, modes, done } = watch(7);
+  await vi.runAllTimersAsync();
+  await done;
+  expect(fetched.mock.calls.map(([request]) => request.headers.get("Last-Event-ID"))).toEqual(["7"]);
+  expect([seen, modes]).toEqual([[], []]);
+});
+
+it("lets no event that is known already change a job: not of a run before this one, and not when it has ended", () => {
+  const job = { state: "running", fraction: 0.2, event: 5 } as Job;
+  expect(mergeEvent(job, event(4, "cancelled"))).toBe(job);
+  expect(mergeEvent(job, event(5, "running", 0.9))).toBe(job);
+  const ended = mergeEvent(job, event(6, "succeeded", 1));
+  expect(ended).toMatchObject({ state: "succeeded", event: 6 });
+  expect(mergeEvent(ended, event(6, "running"))).toBe(ended);
+  expect(mergeEvent(ended, event(7, "queued")).state).toBe("queued"); // a retry
+});
+
+it("knows the newest event of every cached copy", () => {
+  const client = new QueryClient();
+  expect(newestEvent(client, ID)).toBe(0);
+  client.setQueryData(keys.job(ID), { id: ID, event: 3 });
+  client.setQueryData([...keys.jobLists, "first"], {
+    items: [
+      { id: ID, event: 8 },
+      { id: "another", event: 9 },
+    ],
+  });
+  expect(newestEvent(client, ID)).toBe(8);
 });
 
 it("says that there is a newer preview, and when there is none any more", () => {
-  const job = { state: "running", preview: 3, attempt: 1 } as Job;
+  const job = { state: "running", preview: 3, attempt: 1, event: 6 } as Job;
   expect(mergeEvent(job, { ...event(7, "running"), preview: 7 }).preview).toBe(7);
   expect(mergeEvent(job, { ...event(8, "queued"), preview: 0 }).preview).toBe(0);
 });

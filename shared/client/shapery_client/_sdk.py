@@ -195,11 +195,17 @@ class Client(BankCalls):
         return self._post(f"/v1/jobs/{job_id}/retry", JobView)
 
     def events(self, job_id: UUID | str, *, after: int = 0) -> Iterator[JobEvent]:
-        """Iterate over a job's events until it has ended, reconnecting where the connection was lost."""
-        for text in self._events(f"/v1/jobs/{job_id}/events", after, self._transport.attempts):
-            event = JobEvent.model_validate_json(text)
-            yield event
-            if event.state.terminal and event.type == "state":
+        """Iterate over a job's events after number `after` until it has ended, reconnecting where that is needed.
+
+        The events of a job that was run again tell of each run; start after `JobView.event` for what is new.
+        """
+        while True:
+            for text in self._events(f"/v1/jobs/{job_id}/events", after, self._transport.attempts):
+                event = JobEvent.model_validate_json(text)
+                after = event.seq
+                yield event
+            job = self.job(job_id)  # a stream ends after some time, too, and where a former run ended
+            if job.state.terminal and after >= job.event:
                 return
 
     def preview(self, job_id: UUID | str, *, after: int = 0) -> Preview | None:
@@ -235,7 +241,7 @@ class Client(BankCalls):
         deadline = None if timeout is None else time.monotonic() + timeout
         job = self.job(job_id)
         while not job.state.terminal:
-            for event in self.events(job_id):
+            for event in self.events(job_id, after=job.event):
                 if on_event:
                     on_event(event)
                 if deadline is not None and time.monotonic() > deadline:

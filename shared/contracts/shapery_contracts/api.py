@@ -108,6 +108,8 @@ class JobView(BaseModel):
     message: str = ""
     preview: int = 0
     """Number of the newest preview of a running job; 0: there is none."""
+    event: int = 0
+    """Number of the newest event that this view knows of: a stream opened after it tells what is new, and only that."""
     attempt: int = 0
     error: JobErrorView | None = None
     result: dict[str, Any] | None = None

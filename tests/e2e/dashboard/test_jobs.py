@@ -97,8 +97,12 @@ def test_a_job_is_called_off_and_tried_again(open_page: OpenPage, probe: Probe, 
     row.get_by_role("button", name=re.compile("^Retry")).click()
     wait_for_state(row, "running")
     row.get_by_role("link").click()
+    step = step_shown(page)
+    page.wait_for_timeout(1_000)
+    assert step_shown(page) > step, "the job is followed: the end of its first run is not taken for its end"
     page.get_by_role("button", name=re.compile("^Cancel")).click()
     page.get_by_text("The job was cancelled").wait_for()
+    assert api.get(f"/v1/jobs/{job}").json()["state"] == "cancelled"
 
 
 def test_says_why_a_job_failed_and_what_to_do(open_page: OpenPage, probe: Probe) -> None:

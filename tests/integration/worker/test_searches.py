@@ -297,6 +297,8 @@ def test_the_sdk_and_the_command_line_say_the_same(bench: Bench, tmp_path: Path)
         client.delete_shape(indexed.id)
         (told,) = json.loads(shapery("index", mesh, "--collection", "begun by it", "--json"))
         assert told["indexed"], "a collection that is not there yet is made"
+        (begun,) = client.shapes(collection="begun by it")
+        client.delete_shape(begun.id)
         assert "sdk" in shapery("collections", "list")
         shapery("shapes", "delete", shape.id)
         shapery("collections", "delete", made.id)

@@ -124,7 +124,24 @@ def test_events_go_on_after_a_dropped_connection_without_repeating(client: Clien
 
     tries = iter([first, second])
     server.routes["GET", f"/v1/jobs/{JOB}/events"] = lambda handler: next(tries)(handler)
+    server.routes["GET", f"/v1/jobs/{JOB}"] = lambda handler: answer(handler, 200, job("succeeded", event=3))
     assert [item.seq for item in client.events(JOB)] == [1, 2, 3]
+
+
+def test_a_stream_that_ends_before_its_job_is_opened_again(client: Client, server: FlakyServer) -> None:
+    """As where it has been open for long, or where it ends with a former run of the job."""
+    streams = iter([event(1, "running") + event(2, "cancelled"), b"", event(3, "queued") + event(4, "succeeded")])
+    asked = []
+
+    def follow(handler: BaseHTTPRequestHandler) -> None:
+        asked.append(handler.headers["Last-Event-ID"])
+        answer(handler, 200, next(streams), Content_Type="text/event-stream")
+
+    server.routes["GET", f"/v1/jobs/{JOB}/events"] = follow
+    states = iter([job("queued", event=3), job("running", event=3), job("succeeded", event=4)])
+    server.routes["GET", f"/v1/jobs/{JOB}"] = lambda handler: answer(handler, 200, next(states))
+    assert [item.seq for item in client.events(JOB)] == [1, 2, 3, 4]
+    assert asked == [None, "2", "2"]
 
 
 def test_waiting_returns_the_ended_job_or_says_why_it_failed(client: Client, server: FlakyServer) -> None:

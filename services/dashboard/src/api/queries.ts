@@ -1,8 +1,14 @@
-import { type QueryClient, queryOptions, useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
+import {
+  type QueryClient,
+  queryOptions,
+  replaceEqualDeep,
+  useMutation,
+  useQuery,
+  useQueryClient,
+} from "@tanstack/react-query";
 import { api, body } from "./client";
 import { ApiError } from "./problem";
 import type { Asset, Job, JobCreate, JobEvent, JobState, Readiness } from "./types";
-import { isTerminal } from "./types";
 
 export interface JobFilter {
   state?: JobState | undefined;
@@ -90,7 +96,12 @@ export const jobQuery = (id: string) =>
           signal,
         }),
       ),
+    // An answer may be older than an event that came while it was on its way.
+    structuralSharing: (before, now) =>
+      isJob(before) && isJob(now) && before.event > now.event ? before : replaceEqualDeep(before, now),
   });
+
+const isJob = (data: unknown): data is Job => data !== null && typeof data === "object" && "event" in data;
 
 export const assetsQuery = (kind: Asset["kind"]) =>
   queryOptions({
@@ -209,11 +220,19 @@ export function applyEvent(client: QueryClient, event: JobEvent): void {
   }
 }
 
-/** An ended job stays ended whatever old event arrives late; everything else follows the event. */
+/** Number of the newest event of a job that any cached copy knows of. */
+export function newestEvent(client: QueryClient, id: string): number {
+  const pages = client.getQueriesData<JobPage>({ queryKey: keys.jobLists });
+  const listed = pages.flatMap(([, page]) => page?.items.filter((job) => job.id === id) ?? []);
+  return Math.max(0, client.getQueryData<Job>(keys.job(id))?.event ?? 0, ...listed.map((job) => job.event));
+}
+
+/** A job follows every event that it does not know of yet. */
 export function mergeEvent(job: Job, event: JobEvent): Job {
-  if (isTerminal(job.state) && Date.parse(event.at) <= Date.parse(job.finished_at ?? "")) return job;
+  if (event.seq <= job.event) return job;
   return {
     ...job,
+    event: event.seq,
     state: event.state,
     stage: event.stage,
     fraction: event.fraction,

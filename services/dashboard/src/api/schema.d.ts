@@ -1236,6 +1236,11 @@ export interface components {
             created_at: string;
             error?: components["schemas"]["JobErrorView"] | null;
             /**
+             * Event
+             * @default 0
+             */
+            event: number;
+            /**
              * Expired
              * @default false
              */

@@ -1,6 +1,6 @@
 import { useQueryClient } from "@tanstack/react-query";
 import { useEffect, useState } from "react";
-import { applyEvent } from "./queries";
+import { applyEvent, newestEvent } from "./queries";
 import { type WatchMode, watchJob } from "./watchJob";
 
 /** Whether the page is in front: a hidden tab listens to nothing, and catches up when it is shown again. */
@@ -25,6 +25,7 @@ export function useLiveJobs(ids: readonly string[]): WatchMode {
     const controller = new AbortController();
     for (const id of wanted.split(" ")) {
       void watchJob(id, {
+        after: newestEvent(client, id),
         onEvent: (event) => applyEvent(client, event),
         onMode: setMode,
         signal: controller.signal,

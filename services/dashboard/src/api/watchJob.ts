@@ -8,14 +8,16 @@ import { isTerminal, type JobEvent } from "./types";
 export type WatchMode = "stream" | "poll";
 
 interface Watch {
+  /** Number of the event after which to begin. */
+  after: number;
   onEvent: (event: JobEvent) => void;
   onMode: (mode: WatchMode) => void;
   signal: AbortSignal;
 }
 
 /** Follow a job's events until it has ended or `signal` aborts; reconnects where it left off. */
-export async function watchJob(jobId: string, { onEvent, onMode, signal }: Watch): Promise<void> {
-  let last = "";
+export async function watchJob(jobId: string, { after, onEvent, onMode, signal }: Watch): Promise<void> {
+  let last = after ? String(after) : "";
   let failures = 0;
   while (!signal.aborted) {
     try {
@@ -27,6 +29,7 @@ export async function watchJob(jobId: string, { onEvent, onMode, signal }: Watch
         cache: "no-store",
         signal,
       });
+      if (response.status === 204) return; // it has ended, and nothing is new
       if (!response.body) throw new Error("the stream has no body");
       for await (const message of readMessages(response.body)) {
         failures = 0;

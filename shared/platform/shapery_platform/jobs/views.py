@@ -57,6 +57,7 @@ def view(job: Job) -> JobView:
         fraction=job.fraction,
         message=job.message,
         preview=job.preview,
+        event=job.event_seq,
         attempt=job.attempt,
         error=error,
         result=job.result,
