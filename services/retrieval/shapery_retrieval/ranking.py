@@ -2,7 +2,7 @@
 
 Nothing here knows labels. Each cue's distance becomes an affinity on the scale of both shapes' neighbourhoods, so that
 cues of any unit can be averaged and one that says "far" stops voting; the gate then weighs groups of cues by how
-clearly each one sets the nearest shapes apart.
+clearly each one sets the nearest shapes apart, and by how far the other groups see the same.
 
 References
 ----------
@@ -83,11 +83,35 @@ def contrast(affinities: Array) -> Array:
     return np.asarray(np.maximum(top[..., :NEAR].mean(axis=-1) - top[..., FAR[0] : far].mean(axis=-1), FLOOR))
 
 
-def gate(contrasts: Mapping[str, Array]) -> dict[str, Array]:
-    """Weights of the groups from their contrasts: c² over its sum, each group's trust considered."""
-    strength = {group: TRUST[group] * c**2 for group, c in contrasts.items()}
+def gate(affinities: Mapping[str, Array]) -> dict[str, float]:
+    """Weigh the groups by how clearly each sets shapes apart, and by how far the others bear it out.
+
+    Parameters
+    ----------
+    affinities
+        By each group the (n,) affinities of a query with all others.
+
+    Returns
+    -------
+    Weights in sum 1: the squares of trust-weighted contrast times agreement, over their sum. A group agrees with
+    another as far as their affinities correlate. Postures of two animals may look alike and set shapes apart as clearly
+    as their surfaces do, but then the other groups know nothing of it.
+    """
+    groups = list(affinities)
+    n = len(affinities[groups[0]])
+    agreement = np.ones(len(groups))
+    if n > FAR[0] + 1 and len(groups) > 1:
+        rows = np.stack([affinities[group] for group in groups])
+        rows = rows - rows.mean(axis=1, keepdims=True)
+        rows /= np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-12)
+        alike = np.maximum(rows @ rows.T, FLOOR)
+        agreement = (alike.sum(axis=1) - np.diag(alike)) / (len(groups) - 1)
+    strength = {
+        group: TRUST[group] * (float(contrast(affinities[group])) * bears_out) ** 2
+        for group, bears_out in zip(groups, agreement.tolist(), strict=True)
+    }
     total = sum(strength.values())
-    return {group: np.asarray(s / total) for group, s in strength.items()}
+    return {group: value / total for group, value in strength.items()}
 
 
 def voted(group: str, affinities: Mapping[str, Array]) -> Array:

@@ -15,7 +15,7 @@ from shapery_retrieval.arg import Arg
 from shapery_retrieval.matching import Match, match_packed
 from shapery_retrieval.packing import PackedLevel, pack_levels, part_distances, whole_arrays
 from shapery_retrieval.patches import Patches, nearest_patches, patches_of
-from shapery_retrieval.ranking import GROUPS, affinity, contrast, diffuse, gate, local_scale, local_scales, voted
+from shapery_retrieval.ranking import GROUPS, affinity, diffuse, gate, local_scale, local_scales, voted
 from shapery_retrieval.vector import SEGMENTS, PackedGraphs, Vectors, cue_distances, pack, vectors_of
 
 BLOCK, MOST_MATCHED = 64, 320
@@ -187,11 +187,16 @@ class Searcher:
         promising = np.argsort(-scores, kind="stable")[: int(allowed.sum())]
         size, most = (len(promising), len(promising)) if exhaustive else (BLOCK, MOST_MATCHED)
         done = 0
+        divergences = distances["parts"].copy()
         while done < min(most, len(promising)):
             block = promising[done : done + size]
             done += len(block)
-            divergences = part_distances(query.levels, 0, self._lay(block), np.arange(len(block)))
-            groups["parts"][block] = affinity(divergences, scale, self._scales["parts"][block])
+            divergences[block] = part_distances(query.levels, 0, self._lay(block), np.arange(len(block)))
+            # what vectors promise of the others is put on the level of what was found
+            known, others = promising[:done], promising[done:]
+            level = np.median(divergences[known] / np.maximum(distances["parts"][known], 1e-3))
+            divergences[others] = level * distances["parts"][others]
+            groups["parts"] = affinity(divergences, scale, self._scales["parts"])
             scores, weights = _fused(groups, allowed)
             best = promising[np.argpartition(-scores[promising], min(wanted, len(promising)) - 1)[:wanted]]
             if done >= 2 * wanted and not np.isin(best, promising[done - len(block) :]).any():
@@ -239,7 +244,7 @@ class Searcher:
 
 def _fused(groups: Mapping[str, Array], allowed: NDArray[np.bool_]) -> tuple[Array, dict[str, float]]:
     """Weigh the groups by how clearly each sets shapes apart; shapes that are not allowed get −1."""
-    weights = {group: float(w) for group, w in gate({g: contrast(v[allowed]) for g, v in groups.items()}).items()}
+    weights = gate({group: values[allowed] for group, values in groups.items()})
     scores = sum(weights[group] * values for group, values in groups.items())
     return np.where(allowed, scores, -1.0), weights
 

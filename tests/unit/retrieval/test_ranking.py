@@ -12,9 +12,10 @@ from shapery_retrieval.arg import Arg
 from shapery_retrieval.describe import Description
 from shapery_retrieval.laid_out import GoneError, Searchers
 from shapery_retrieval.packing import joined, pack_levels, part_distances
-from shapery_retrieval.ranking import affinity, contrast, diffuse, gate, local_scale, local_scales
+from shapery_retrieval.ranking import affinity, diffuse, gate, local_scale, local_scales
 from shapery_retrieval.search import BLOCK, Searcher, score_matrix
 from shapery_retrieval.vector import SEGMENTS, cue_distances, pack, vector_of
+from shapery_retrieval.vocabulary import vocabulary
 
 
 def test_affinity_is_one_at_no_distance_and_free_of_unit() -> None:
@@ -48,9 +49,19 @@ def test_local_scales_of_a_bank_that_lacks_a_shape_are_those_of_the_others(count
 def test_the_gate_follows_the_clearer_cue() -> None:
     clear, vague = np.zeros(100), np.full(100, 0.5)
     clear[:10] = 0.9
-    weights = gate({"parts": contrast(clear), "intrinsic": contrast(vague)})
+    weights = gate({"parts": clear, "intrinsic": vague})
     assert weights["parts"] > 0.95
     assert sum(weights.values()) == pytest.approx(1)
+
+
+def test_the_gate_follows_what_cues_agree_on() -> None:
+    near, elsewhere = np.zeros(100), np.zeros(100)
+    near[:10] = elsewhere[50:60] = 0.9
+    same = gate({"parts": near, "intrinsic": near, "views": near})
+    assert same["views"] == pytest.approx(0.5)  # as far as they are trusted
+    apart = gate({"parts": near, "intrinsic": near, "views": elsewhere})
+    assert apart["views"] < 0.1
+    assert apart["parts"] == pytest.approx(apart["intrinsic"])
 
 
 def clusters(sizes: list[int], rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
@@ -94,6 +105,7 @@ def test_re_ranking_does_not_depend_on_the_order_of_the_bank() -> None:
 def bank(egg: Arg, torus: Arg, count: int) -> list[Arg]:
     """Graphs around two shapes."""
     rng = np.random.default_rng(0)
+    spread = 0.3 * vocabulary().node_spread
     result = []
     for i in range(count):
         arg = egg if i % 2 == 0 else torus
@@ -104,7 +116,7 @@ def bank(egg: Arg, torus: Arg, count: int) -> list[Arg]:
             for name, values in arg.whole.items()
         }
         levels = tuple(
-            replace(level, features=(level.features + 0.05 * rng.normal(size=level.features.shape)).astype(np.float16))
+            replace(level, features=(level.features + spread * rng.normal(size=level.features.shape)).astype(np.float16))
             for level in arg.levels
         )
         result.append(replace(arg, whole={**whole, "wave_words": np.abs(whole["wave_words"])}, levels=levels))
