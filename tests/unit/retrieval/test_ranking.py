@@ -115,11 +115,11 @@ def bank(egg: Arg, torus: Arg, count: int) -> list[Arg]:
             else (values + 0.02 * rng.normal(size=values.shape)).astype(np.float32)
             for name, values in arg.whole.items()
         }
-        levels = tuple(
-            replace(level, features=(level.features + spread * rng.normal(size=level.features.shape)).astype(np.float16))
-            for level in arg.levels
-        )
-        result.append(replace(arg, whole={**whole, "wave_words": np.abs(whole["wave_words"])}, levels=levels))
+        levels = []
+        for level in arg.levels:
+            features = level.features + spread * rng.normal(size=level.features.shape)
+            levels.append(replace(level, features=features.astype(np.float16)))
+        result.append(replace(arg, whole={**whole, "wave_words": np.abs(whole["wave_words"])}, levels=tuple(levels)))
     return result
 
 
