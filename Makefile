@@ -57,7 +57,7 @@ test: setup ## run all tests
 	@deploy/dashboard.sh $(BIN)/python test
 	$(PYTEST) -n 2 --dist loadfile --no-loadscope-reorder
 
-test-fast: $(VENV)/.ready ## run the tests that need neither servers nor a browser
+test-fast: $(VENV)/.ready ## run the tests that need neither servers nor a browser, but for whole pipelines
 	@deploy/dashboard.sh $(BIN)/python test
 	$(PYTEST) -n 2 --dist loadfile --no-loadscope-reorder -m "not server and not browser and not slow"
 

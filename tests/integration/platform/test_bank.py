@@ -102,6 +102,7 @@ def test_versions_never_mix(database: Database, index: Index) -> None:
     assert banks.of("ann").candidates(fake.vector(1), 9, version=INDEX_VERSION - 1) == []
 
 
+@pytest.mark.slow
 def test_searches_run_beside_changes(
     database: Database, local_store: ObjectStore, index: Index, claim: Claim, tmp_path: Path
 ) -> None:

@@ -154,6 +154,7 @@ def test_a_store_that_fails_leaves_the_row_for_the_next_sweep(
     assert sweep(database, local_store) == 1
 
 
+@pytest.mark.slow
 def test_no_bytes_are_lost_while_the_last_asset_goes_and_the_same_comes(
     database: Database, local_store: ObjectStore, settings: Settings
 ) -> None:

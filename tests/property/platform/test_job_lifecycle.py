@@ -305,6 +305,7 @@ def run(machine: type[JobLifecycle], examples: int) -> None:
         machine.database.dispose()
 
 
+@pytest.mark.slow
 def test_jobs_follow_the_table_on_sqlite(folder: Path) -> None:
     run(prepared(f"sqlite:///{folder}/shapery.db", folder), 30)
 

@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from tests.unit.client.conftest import JOB, FlakyServer, answer, problem
 from tests.unit.client.test_sdk import job
 
@@ -49,6 +51,7 @@ def test_a_wrong_seed_is_refused_with_an_example(tmp_path: Path) -> None:
     assert "--seed 12,-30,8.5" in error["hint"]
 
 
+@pytest.mark.slow
 def test_a_server_that_is_away_is_exit_code_4() -> None:
     done = shapery("jobs", "list", "--server", "http://127.0.0.1:1")
     assert done.returncode == 4

@@ -60,6 +60,7 @@ def zipped(**entries: bytes) -> bytes:
 
 
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="the limit of memory is set through /proc")
+@pytest.mark.slow
 def test_claims_and_bombs_are_refused_under_a_limit_of_memory(tmp_path: Path) -> None:
     zeros = bytes(64 << 20)
     mhd = b"NDims = 3\nDimSize = 4000 4000 4000\nElementType = MET_FLOAT\nElementDataFile = v.raw\n"

@@ -342,6 +342,7 @@ def test_cancelling_stops_between_frames() -> None:
 
 @pytest.mark.data
 @pytest.mark.parametrize(("name", "kg"), [("chickenCrossing", 0.5), ("mmface4d-3k", 1.0), ("horse-gallop", 0.5)])
+@pytest.mark.slow
 def test_bounds_on_real_sequences(shared_data: Path, name: str, kg: float) -> None:
     with np.load(shared_data / "motion" / f"{name}.npz") as stored:
         frames, faces = stored["vertices"][:40:8].astype(np.float64), stored["faces"]

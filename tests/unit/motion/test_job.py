@@ -163,6 +163,7 @@ def shapery(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True, timeout=240, check=False)
 
 
+@pytest.mark.slow
 def test_the_commands_encode_tell_and_decode(encoded: Path, tmp_path: Path) -> None:
     out = tmp_path / "walk.smc"
     done = shapery("encode", encoded / "walk.npz", "--out", out, "--max-error", "0.003", "--report", tmp_path, "--json")

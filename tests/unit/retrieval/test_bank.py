@@ -201,6 +201,7 @@ def test_searches_that_cannot_be_answered_say_why(tmp_path: Path, bank: LocalBan
         handler.run(ShapeSearchParams(shape_id="egg"), {}, context)
 
 
+@pytest.mark.slow
 def test_the_commands_from_files_to_a_matrix(tmp_path: Path) -> None:
     write_mesh(egg(), tmp_path / "egg.ply")
     write_mesh(torus(40, 20), tmp_path / "torus.obj")

@@ -62,6 +62,7 @@ def test_the_same_shape_gives_the_same_graph(described_egg: Description, name: s
     assert match(ours, theirs).levels[1].score > 0.8
 
 
+@pytest.mark.slow
 def test_noise_and_resolution_change_little(described_egg: Description) -> None:
     mesh = egg()
     rng = np.random.default_rng(5)

@@ -189,6 +189,7 @@ def candidates(args: dict[str, Arg]) -> list[Candidate]:
     return [Candidate(name, 0.0, vector.tobytes()) for name, vector in zip(args, vectors, strict=True)]
 
 
+@pytest.mark.slow
 def test_a_fast_search_finds_what_an_exhaustive_one_finds_and_reads_less(
     described_egg: Description, described_torus: Description
 ) -> None:

@@ -21,6 +21,7 @@ def cavity_of(head: HeadPhantom) -> np.ndarray:
     return inside
 
 
+@pytest.mark.slow
 def test_brain_of_a_whole_head(head: HeadPhantom) -> None:
     brain = find_brain(head.pre, head.post)
     assert not brain.stripped

@@ -26,6 +26,7 @@ pytestmark = pytest.mark.data
     [("tumor_brats18_tcia01_231_1", 0.83), ("tumor_brats21_00006", 0.77)],
     ids=["tcia01_231", "00006"],
 )
+@pytest.mark.slow
 def test_a_ball_in_the_rim_becomes_the_enhancing_tumor(shared_data: Path, case: str, least: float) -> None:
     folder = shared_data / "volumes" / case
     pre, post, labels = (read_volume(folder / f"{name}.nii.gz") for name in ("t1", "t1c", "seg"))

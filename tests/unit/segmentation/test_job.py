@@ -57,6 +57,7 @@ def files(head: HeadPhantom, tmp_path_factory: pytest.TempPathFactory) -> dict[s
     return {name: folder / f"{name}.nii.gz" for name in ("post", "pre")}
 
 
+@pytest.mark.slow
 def test_a_job_leaves_its_files_and_returns_its_report(files: dict[str, Path], tmp_path: Path) -> None:
     context = Context(tmp_path)
     result = SegmentationHandler().run(SegmentationParams(), files, context)
@@ -84,6 +85,7 @@ def test_a_job_leaves_its_files_and_returns_its_report(files: dict[str, Path], t
 
 
 @pytest.mark.parametrize("stage", ["read", "seed", "evolve"])
+@pytest.mark.slow
 def test_cancelling_ends_the_job(files: dict[str, Path], tmp_path: Path, stage: str) -> None:
     context = Context(tmp_path, cancel_in=stage)
     with pytest.raises(JobCancelled):

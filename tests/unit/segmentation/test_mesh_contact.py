@@ -43,6 +43,7 @@ coordinates = st.integers(-4, 4)
 
 @given(st.lists(st.tuples(coordinates, coordinates, coordinates), min_size=6, max_size=6, unique=True))
 @settings(max_examples=300, deadline=None)
+@pytest.mark.slow
 def test_triangles_without_common_vertex_never_count_as_apart_when_they_meet(rows: list[tuple[int, int, int]]) -> None:
     p = np.array(rows, dtype=np.float64)
     if triangles_intersect(p[:3], p[3:]):

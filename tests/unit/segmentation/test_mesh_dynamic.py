@@ -363,6 +363,7 @@ def test_nothing_moves_if_nobody_is_named() -> None:
 
 @given(st.integers(0, 2**32 - 1), st.sampled_from(sorted(SURFACES)), st.floats(0.02, 1.5), st.floats(0.6, 2.5))
 @settings(max_examples=15, deadline=None)
+@pytest.mark.slow
 def test_random_moves_and_remeshing_keep_everything(seed: int, name: str, size: float, length: float) -> None:
     rng = np.random.default_rng(seed)
     surface = SURFACES[name]()
