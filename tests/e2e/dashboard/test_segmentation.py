@@ -271,7 +271,7 @@ def test_says_that_it_cannot_draw_without_webgl(open_page: OpenPage, segmented: 
             "  return kind.startsWith('webgl') ? null : get.call(this, kind, ...rest); }"
         ),
     )
-    page.get_by_role("alert").get_by_text("This browser cannot draw volumes").wait_for()
+    page.get_by_role("alert").get_by_text("This browser cannot draw in 3D").wait_for()
     page.get_by_role("link", name="labels.nii.gz").wait_for()
     page.get_by_role("button", name="Object 1", exact=True).wait_for()
 
@@ -352,9 +352,55 @@ def test_a_seed_is_placed_and_run(open_page: OpenPage, segmented: dict[str, Any]
     wait_for_pictures(page)
     at = crosshair(page)
     page.get_by_role("button", name="Seed here").click()
-    page.get_by_role("button", name="Segment from this point").click()
-    page.wait_for_url(lambda url: "/jobs/" in url and segmented["id"] not in url)
-    job = api.get(f"/v1/jobs/{page.url.rsplit('/', 1)[1]}").json()
+    job = started(page, api, "Segment from this point")
     assert job["inputs"] == segmented["inputs"]
     np.testing.assert_allclose(job["params"]["seeds"], [at], atol=0.06)
+
+
+def test_a_box_is_drawn_and_run(
+    open_page: OpenPage, segmented: dict[str, Any], labels: Volume, api: httpx.Client
+) -> None:
+    """Around what is colored in the axial slice; it is sent where the labels lie, as deep as it was at first."""
+    page = open_page(f"/jobs/{segmented['id']}")
+    wait_for_pictures(page)
+    page.get_by_text("Axial", exact=True).click()
+    page.wait_for_timeout(1000)
+    canvas = page.get_by_test_id("volume")
+    (top, bottom), (left, right) = box(tumor_colored(picture(canvas)))
+    page.get_by_role("button", name="Draw a box").click()
+    place = canvas.bounding_box()
+    x, y = place["x"], place["y"]
+    page.mouse.move(x + left - 40, y + top - 40)  # beside the box that is there at first
+    page.mouse.down()
+    page.mouse.move(x + left, y + top)
+    page.mouse.move(x + right, y + bottom)
+    page.mouse.up()
+    # a corner is taken along
+    page.mouse.move(x + left - 40, y + top - 40)
+    page.mouse.down()
+    page.mouse.move(x + left, y + top)
+    page.mouse.up()
+    drawn = page.get_by_test_id("box").locator("rect[data-cut]").bounding_box()
+    np.testing.assert_allclose([drawn[k] for k in ("x", "y", "width", "height")],
+                               [x + left, y + top, right - left, bottom - top], atol=2)  # fmt: skip
+    page.get_by_role("textbox", name="Top").fill("60")
+    job = started(page, api, "Segment what is in the box")
+    assert job["params"]["mode"] == "object"
+    assert job["inputs"] == {"post": segmented["inputs"]["post"]}
+    centroid = segmented["result"]["objects"][0]["centroid"]
+    slice_ = np.isin(labels.data[:, :, round(labels.to_index(centroid)[2])], [1, 2])
+    inside = np.argwhere(slice_) * labels.spacing[:2] + labels.affine[:2, 3]
+    half = labels.spacing[0] / 2
+    low, high = np.reshape(job["params"]["box"], (2, 3))
+    np.testing.assert_allclose([low[:2], high[:2]], [inside.min(0) - half, inside.max(0) + half], atol=2.5)
+    assert (low[2] < centroid[2] < high[2], high[2]) == (True, 60)
+
+
+def started(page: Any, api: httpx.Client, button: str) -> dict[str, Any]:
+    """The job that a button starts, called off at once."""
+    before = page.url
+    page.get_by_role("button", name=button).click()
+    page.wait_for_url(lambda url: "/jobs/" in url and url != before)
+    job = api.get(f"/v1/jobs/{page.url.rsplit('/', 1)[1]}").json()
     api.post(f"/v1/jobs/{job['id']}/cancel")
+    return dict(job)

@@ -1,20 +1,27 @@
 import { Alert, Button, Center, Group, Loader, Stack, Text, Title } from "@mantine/core";
-import { CircleAlert, RotateCw } from "lucide-react";
+import { CircleAlert, RotateCw, WifiOff } from "lucide-react";
 import type { ReactNode } from "react";
-import { describe } from "@/api/problem";
+import { describe, Unreachable } from "@/api/problem";
 
 /** Something did not work: what, why, and what to do about it. */
 export function Failure({ error, onRetry }: { error: unknown; onRetry?: (() => void) | undefined }) {
   const { message, code, hint } = describe(error);
+  // That the server is silent stands above every page already; here it is only what cannot be shown as long as it is.
+  const silent = error instanceof Unreachable;
   return (
-    <Alert color="red" variant="light" icon={<CircleAlert size={18} />} role="alert">
+    <Alert
+      color={silent ? "gray" : "red"}
+      variant="light"
+      icon={silent ? <WifiOff size={18} /> : <CircleAlert size={18} />}
+      role="alert"
+    >
       <Group justify="space-between" align="flex-start">
         <div>
           <Text size="sm" fw={550}>
             {message}
           </Text>
           {hint && <Text size="sm">{hint}</Text>}
-          {code && (
+          {code && !silent && (
             <Text size="xs" c="dimmed" ff="monospace" mt={4}>
               {code}
             </Text>

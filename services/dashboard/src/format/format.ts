@@ -52,7 +52,7 @@ export function percent(fraction: number): string {
   return `${rounded}${SPACE}%`;
 }
 
-/** A duration in seconds: "0.4 s", "12 s", "3 min 05 s", "2 h 10 min". */
+/** A duration in seconds: "0.4 s", "12 s", "3 min 05 s", "30 min", "2 h 10 min". */
 export function duration(seconds: number): string {
   if (!Number.isFinite(seconds) || seconds < 0) return "–";
   if (seconds < 9.95) return `${seconds.toFixed(1)}${SPACE}s`;
@@ -60,9 +60,11 @@ export function duration(seconds: number): string {
   if (whole < 60) return `${whole}${SPACE}s`;
   const minutes = Math.floor(whole / 60);
   if (minutes < 60) {
-    return `${minutes}${SPACE}min${SPACE}${String(whole % 60).padStart(2, "0")}${SPACE}s`;
+    const rest = whole % 60 === 0 ? "" : `${SPACE}${String(whole % 60).padStart(2, "0")}${SPACE}s`;
+    return `${minutes}${SPACE}min${rest}`;
   }
-  return `${Math.floor(minutes / 60)}${SPACE}h${SPACE}${minutes % 60}${SPACE}min`;
+  const rest = minutes % 60 === 0 ? "" : `${SPACE}${minutes % 60}${SPACE}min`;
+  return `${Math.floor(minutes / 60)}${SPACE}h${rest}`;
 }
 
 const STEPS: readonly [Intl.RelativeTimeFormatUnit, number][] = [

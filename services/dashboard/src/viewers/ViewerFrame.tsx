@@ -59,17 +59,23 @@ export function ViewerFrame({ label, status, onRetry, tools, children }: ViewerF
   );
 }
 
-export function NoWebGL() {
+/** In the place of a drawing that this browser cannot make; `children` are what can be shown all the same. */
+export function NoWebGL({ children }: { children?: ReactNode }) {
   return (
     <Alert
       color="orange"
       variant="light"
       icon={<MonitorX size={18} />}
-      title="This browser cannot draw volumes"
+      title="This browser cannot draw in 3D"
       role="alert"
     >
-      WebGL 2 is switched off or missing. Switch on hardware acceleration in the browser's settings, or open this page
-      in a current Firefox, Chrome, Edge or Safari. The measurements and downloads below are complete without it.
+      <Stack gap="md">
+        <Text size="sm">
+          WebGL 2 is switched off or missing. Switch on hardware acceleration in the browser's settings, or open this
+          page in a current Firefox, Chrome, Edge or Safari. Everything else on this page works without it.
+        </Text>
+        {children}
+      </Stack>
     </Alert>
   );
 }

@@ -1,14 +1,14 @@
-import { Breadcrumbs, Button, Group, Paper, SegmentedControl, Stack, Text, Title } from "@mantine/core";
+import { Button, Group, Paper, SegmentedControl, Stack, Text, Title } from "@mantine/core";
 import { keepPreviousData, useQuery } from "@tanstack/react-query";
 import { getRouteApi } from "@tanstack/react-router";
-import { Download, RotateCcw, SearchX, X } from "lucide-react";
+import { Download, RotateCcw, X } from "lucide-react";
 import { useEffect, useState } from "react";
 import { batchQuery, useBatchAction } from "@/api/batches";
-import { ApiError } from "@/api/problem";
 import { jobsQuery, useAssetNames } from "@/api/queries";
 import type { Batch, JobState } from "@/api/types";
 import { LinkAnchor, LinkButton } from "@/app/links";
-import { Empty, Failure, Waiting } from "@/app/Notice";
+import { Failure, Waiting } from "@/app/Notice";
+import { One } from "@/app/One";
 import { Page } from "@/app/Page";
 import { sayFailure } from "@/app/say";
 import { useNow } from "@/app/useNow";
@@ -28,22 +28,19 @@ export function BatchPage() {
     ...batchQuery(batchId),
     refetchInterval: ({ state }) => (state.data?.finished ? false : 1_000),
   });
-  if (batch.data) return <LoadedBatch batch={batch.data} />;
-  const missing = batch.error instanceof ApiError && (batch.error.status === 404 || batch.error.status === 422);
   return (
-    <Page title={missing ? "" : "Batch"} tab="Batch">
-      {batch.isPending ? (
-        <Waiting label="Loading the batch…" />
-      ) : missing ? (
-        <Empty icon={<SearchX size={32} />} title="There is no such batch">
-          <LinkButton to="/batches" variant="default" mt="sm">
-            To the batches
-          </LinkButton>
-        </Empty>
-      ) : (
-        <Failure error={batch.error} onRetry={() => void batch.refetch()} />
-      )}
-    </Page>
+    <One
+      query={batch}
+      what="batch"
+      missing="Its address may be mistyped, or it belongs to another key."
+      back={
+        <LinkButton to="/batches" variant="default" mt="sm">
+          To the batches
+        </LinkButton>
+      }
+    >
+      {(found) => <LoadedBatch batch={found} />}
+    </One>
   );
 }
 
@@ -55,16 +52,11 @@ function LoadedBatch({ batch }: { batch: Batch }) {
     act.mutate(action, { onError: (error) => sayFailure(title, error) });
   return (
     <Page
-      tab={batchName(batch)}
-      title={
-        <>
-          <Breadcrumbs mb={4} separatorMargin={6} fz="sm" fw={400} c="dimmed">
-            <LinkAnchor to="/batches" size="sm">
-              Batches
-            </LinkAnchor>
-          </Breadcrumbs>
-          {batchName(batch)}
-        </>
+      title={batchName(batch)}
+      trail={
+        <LinkAnchor to="/batches" size="sm">
+          Batches
+        </LinkAnchor>
       }
       lead={
         <span title={moment(batch.created_at)}>

@@ -1,16 +1,10 @@
 import type { Batch, JobState } from "@/api/types";
+import { workName } from "@/features/jobs/naming";
 import { moment } from "@/format/format";
-
-const WORK: Record<string, string> = {
-  segmentation: "Segmentation",
-  "motion-encode": "Compression",
-  "motion-decode": "Decompression",
-  "shape-index": "Indexing",
-};
 
 /** "Segmentation, 25 Nov 2026, 20:14": batches have no name of their own. */
 export function batchName({ kind, created_at }: Pick<Batch, "kind" | "created_at">): string {
-  return `${WORK[kind] ?? kind}, ${moment(created_at)}`;
+  return `${workName(kind)}, ${moment(created_at)}`;
 }
 
 export function count({ counts }: Pick<Batch, "counts">, ...states: JobState[]): number {

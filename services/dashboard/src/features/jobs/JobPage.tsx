@@ -1,14 +1,14 @@
-import { Breadcrumbs, Group, Paper, Progress, Stack, Text } from "@mantine/core";
+import { Group, Paper, Progress, Stack, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi } from "@tanstack/react-router";
-import { CircleAlert, Clock, SearchX, TimerOff } from "lucide-react";
+import { CircleAlert, Clock, FileCheck, TimerOff } from "lucide-react";
 import { lazy, Suspense } from "react";
-import { ApiError } from "@/api/problem";
 import { jobQuery, kindsQuery, useAssetNames } from "@/api/queries";
 import { type Asset, isTerminal, type Job } from "@/api/types";
 import { useLiveJobs } from "@/api/useLiveJobs";
 import { LinkAnchor, LinkButton } from "@/app/links";
-import { Empty, Failure, Waiting } from "@/app/Notice";
+import { Empty, Waiting } from "@/app/Notice";
+import { One } from "@/app/One";
 import { Page } from "@/app/Page";
 import { useNow } from "@/app/useNow";
 import { isMotionResult } from "@/features/motion/result";
@@ -18,10 +18,11 @@ import { isSegmentationResult } from "@/features/segmentation/params";
 import { AsCode } from "@/features/snippets/AsCode";
 import { resultSnippets } from "@/features/snippets/snippets";
 import { ago, duration, moment, percent, relative } from "@/format/format";
+import { Downloads } from "./Downloads";
 import { JobActions } from "./JobActions";
 import { JobFacts } from "./JobFacts";
 import classes from "./jobs.module.css";
-import { jobName, mainInput } from "./naming";
+import { jobName, mainInput, workName } from "./naming";
 import { StagePath } from "./StagePath";
 import { StageTimes } from "./StageTimes";
 import { StateBadge } from "./StateBadge";
@@ -40,33 +41,20 @@ export function JobPage() {
     // Events say when something has changed; asking now and then mends what they may have missed.
     refetchInterval: ({ state }) => (state.data && !isTerminal(state.data.state) ? 5_000 : false),
   });
-  if (job.isPending) {
-    return (
-      <Page title="Job">
-        <Waiting label="Loading the job…" />
-      </Page>
-    );
-  }
-  if (!job.data) {
-    const missing = job.error instanceof ApiError && (job.error.status === 404 || job.error.status === 422);
-    return (
-      <Page title="" tab="Job">
-        {missing ? (
-          <Empty icon={<SearchX size={32} />} title="There is no such job">
-            <Text size="sm" c="dimmed">
-              Its address may be mistyped, or it belongs to another key.
-            </Text>
-            <LinkButton to="/jobs" variant="default" mt="sm">
-              To the jobs
-            </LinkButton>
-          </Empty>
-        ) : (
-          <Failure error={job.error} onRetry={() => void job.refetch()} />
-        )}
-      </Page>
-    );
-  }
-  return <LoadedJob key={jobId} job={job.data} />;
+  return (
+    <One
+      query={job}
+      what="job"
+      missing="Its address may be mistyped, or it belongs to another key."
+      back={
+        <LinkButton to="/jobs" variant="default" mt="sm">
+          To the jobs
+        </LinkButton>
+      }
+    >
+      {(found) => <LoadedJob key={jobId} job={found} />}
+    </One>
+  );
 }
 
 function LoadedJob({ job }: { job: Job }) {
@@ -80,20 +68,13 @@ function LoadedJob({ job }: { job: Job }) {
   const name = jobName(job, assets);
   return (
     <Page
-      tab={name}
-      title={
-        <>
-          <Breadcrumbs mb={4} separatorMargin={6} fz="sm" fw={400} c="dimmed">
-            <LinkAnchor to="/jobs" size="sm">
-              Jobs
-            </LinkAnchor>
-            <Text size="sm" c="dimmed" fw={400}>
-              {job.kind.charAt(0).toUpperCase() + job.kind.slice(1)}
-            </Text>
-          </Breadcrumbs>
-          <span style={{ overflowWrap: "anywhere" }}>{name}</span>
-        </>
-      }
+      title={name}
+      trail={[
+        <LinkAnchor key="jobs" to="/jobs" size="sm">
+          Jobs
+        </LinkAnchor>,
+        <span key="kind">{workName(job.kind)}</span>,
+      ]}
       lead={<Lead job={job} />}
       actions={
         <Group gap="sm">
@@ -135,7 +116,7 @@ function Lead({ job }: { job: Job }) {
     );
   }
   if (job.attempt > 1) parts.push(<span key="attempt">attempt {job.attempt}</span>);
-  if (job.expires_at && !job.expired) {
+  if (job.state === "succeeded" && job.expires_at && !job.expired) {
     parts.push(
       <span key="expires" title={moment(job.expires_at)}>
         results kept until {moment(job.expires_at)} ({relative(Date.parse(job.expires_at), now)})
@@ -175,12 +156,20 @@ function Body({ job, assets }: { job: Job; assets: ReadonlyMap<string, Asset> })
           <Paper>
             <Empty icon={<TimerOff size={32} />} title="The results have expired">
               <Text size="sm" c="dimmed">
-                They were kept until {job.expires_at ? moment(job.expires_at) : "their time was over"}. Segment the
-                volume again to have them back.
+                They were kept until {job.expires_at ? moment(job.expires_at) : "their time was over"}.
+                {job.kind === "segmentation" && " Segment the volume again to have them back."}
+                {job.kind === "motion-encode" && " Compress the sequence again to have them back."}
               </Text>
-              <LinkButton to="/upload" search={again(job)} mt="sm">
-                Segment again
-              </LinkButton>
+              {job.kind === "segmentation" && (
+                <LinkButton to="/upload" search={again(job)} mt="sm">
+                  Segment again
+                </LinkButton>
+              )}
+              {job.kind === "motion-encode" && (
+                <LinkButton to="/motion" mt="sm">
+                  Compress again
+                </LinkButton>
+              )}
             </Empty>
           </Paper>
         </Aside>
@@ -301,20 +290,27 @@ function Underway({ job, assets }: { job: Job; assets: ReadonlyMap<string, Asset
 
 function Ended({ job }: { job: Job }) {
   const crashed = job.state === "crashed";
-  if (job.state === "cancelled" || !job.error) {
+  const cancelled = job.state === "cancelled";
+  if (cancelled || !job.error) {
+    const files = job.artifacts.length > 0;
     return (
-      <Paper>
-        <Empty
-          icon={<CircleAlert size={32} />}
-          title={job.state === "cancelled" ? "The job was cancelled" : "There is nothing to show"}
-        >
-          <Text size="sm" c="dimmed">
-            {job.state === "cancelled"
-              ? "It left no results. Retry runs it again with the same input."
-              : "The job has ended without a result that this page can draw. Its files can be downloaded."}
-          </Text>
-        </Empty>
-      </Paper>
+      <Stack gap="md">
+        <Paper>
+          <Empty
+            icon={cancelled ? <CircleAlert size={32} /> : <FileCheck size={32} />}
+            title={cancelled ? "The job was cancelled" : files ? "Done" : "There is nothing to show"}
+          >
+            <Text size="sm" c="dimmed">
+              {cancelled
+                ? "It left no results. Retry runs it again with the same input."
+                : files
+                  ? "What it made is in its files."
+                  : "The job has ended without a result."}
+            </Text>
+          </Empty>
+        </Paper>
+        <Downloads artifacts={job.artifacts} />
+      </Stack>
     );
   }
   return (
@@ -334,7 +330,9 @@ function Ended({ job }: { job: Job }) {
           <Text size="sm" c="dimmed">
             {crashed
               ? "The fault is on the server's side, and it was logged. Retry runs it again with the same input."
-              : "Retry runs it again as it was; Segment again lets you change the input or the parameters."}
+              : job.kind === "segmentation"
+                ? "Retry runs it again as it was; Segment again lets you change the input or the parameters."
+                : "Retry runs it again as it was."}
           </Text>
           <Text size="xs" c="dimmed" ff="monospace">
             {job.error.code}

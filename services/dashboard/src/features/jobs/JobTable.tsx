@@ -5,7 +5,7 @@ import { useNow } from "@/app/useNow";
 import { ago, capital, duration, moment, percent } from "@/format/format";
 import { JobActions } from "./JobActions";
 import classes from "./jobs.module.css";
-import { jobName, outcome } from "./naming";
+import { jobName, outcome, workName } from "./naming";
 import { StateBadge } from "./StateBadge";
 
 interface JobTableProps {
@@ -29,7 +29,7 @@ export function JobTable({ jobs, assets, stale }: JobTableProps) {
             <Table.Th w={116} visibleFrom="md">
               Took
             </Table.Th>
-            <Table.Th w={150} visibleFrom="sm">
+            <Table.Th w={150} visibleFrom="md">
               Created
             </Table.Th>
             <Table.Th w={110}>
@@ -63,8 +63,12 @@ function JobRow({ job, name, now }: { job: Job; name: string; now: number }) {
           {name}
         </LinkAnchor>
         <Text size="xs" c="dimmed">
-          {capital(job.kind)}
+          {workName(job.kind)}
           {job.attempt > 1 ? ` · attempt ${job.attempt}` : ""}
+          <Text span inherit hiddenFrom="md">
+            {" "}
+            · {ago(job.created_at, now)}
+          </Text>
         </Text>
       </Table.Td>
       <Table.Td>
@@ -76,7 +80,7 @@ function JobRow({ job, name, now }: { job: Job; name: string; now: number }) {
       <Table.Td visibleFrom="md">
         <Text size="sm">{job.started_at ? duration((ended - Date.parse(job.started_at)) / 1000) : "–"}</Text>
       </Table.Td>
-      <Table.Td visibleFrom="sm">
+      <Table.Td visibleFrom="md">
         <Text size="sm" c="dimmed" title={moment(job.created_at)}>
           {ago(job.created_at, now)}
         </Text>

@@ -2,7 +2,20 @@ import type { Asset, Job } from "@/api/types";
 import { isSegmentationResult } from "@/features/segmentation/params";
 import { isMotionResult } from "@/features/motion/result";
 import { isIndexResult, isSearchResult } from "@/features/shapes/result";
-import { bytes, integer, significant, volume } from "@/format/format";
+import { bytes, capital, integer, significant, volume } from "@/format/format";
+
+const WORK: Record<string, string> = {
+  segmentation: "Segmentation",
+  "motion-encode": "Compression",
+  "motion-decode": "Decompression",
+  "shape-index": "Indexing",
+  "shape-search": "Shape search",
+};
+
+/** What a kind of jobs does. */
+export function workName(kind: string): string {
+  return WORK[kind] ?? capital(kind);
+}
 
 /** The input that a job is known by: the first file of its main input. */
 export function mainInput(job: Pick<Job, "inputs">): string | null {

@@ -127,7 +127,7 @@ function EncodeForm({ sequences }: { sequences: readonly Asset[] }) {
           </Title>
           <Text size="sm" c="dimmed">
             The KG error compares all frames with the original, relative to how far their vertices lie from each frame’s
-            center. At 0.1 % normals are off by about two degrees.
+            center. At 0.1 % normals are off by about two degrees.
           </Text>
         </Paper>
         {chosen && <AsCode of={(target) => jobSnippets(request, target)} />}

@@ -6,7 +6,7 @@ import { apiFetch } from "@/api/client";
 import type { components } from "@/api/schema";
 import type { Job } from "@/api/types";
 import { Waiting } from "@/app/Notice";
-import { Downloads } from "@/features/segmentation/Downloads";
+import { Downloads } from "@/features/jobs/Downloads";
 import { bytes, integer, significant } from "@/format/format";
 import { NoWebGL } from "@/viewers/ViewerFrame";
 import { hasWebGL } from "@/viewers/webgl";

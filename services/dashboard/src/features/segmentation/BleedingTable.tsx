@@ -2,8 +2,7 @@ import { Button, Group, Paper, Table, Text, Title, UnstyledButton } from "@manti
 import { useState } from "react";
 import { anatomical, integer, millimetres, volume } from "@/format/format";
 import { LABELS } from "@/viewers/labels";
-import type { SegmentationResult } from "./params";
-import type { Point } from "./SeedPanel";
+import type { Point, SegmentationResult } from "./params";
 import classes from "./segmentation.module.css";
 
 const FIRST = 8;

@@ -36,20 +36,10 @@ export default function LiveSurface({ job }: { job: Job }) {
   useEffect(() => {
     const element = parent.current;
     if (!element || !there) return;
-    const canvas = new SurfaceCanvas(element);
-    canvas.canvas.dataset.testid = "live";
-    canvas.canvas.setAttribute(
-      "aria-label",
-      "The surface as it grows, in 3D. Arrow keys turn it, plus and minus zoom.",
-    );
-    const lost = (event: Event) => {
-      event.preventDefault();
-      setStatus({ is: "lost" });
-    };
-    canvas.canvas.addEventListener("webglcontextlost", lost);
+    const canvas = new SurfaceCanvas(element, () => setStatus({ is: "lost" }));
+    canvas.stage.tell("The surface as it grows, in 3D.", "live");
     viewer.current = canvas;
     return () => {
-      canvas.canvas.removeEventListener("webglcontextlost", lost);
       viewer.current = null;
       canvas.close();
     };

@@ -1,67 +1,68 @@
-import { Alert, Button, Group, Paper, Pill, Text, Title } from "@mantine/core";
+import { Button, Group, NumberInput, Paper, Pill, Text, Title } from "@mantine/core";
 import { useNavigate } from "@tanstack/react-router";
-import { Play } from "lucide-react";
+import { Play, X } from "lucide-react";
 import { useState } from "react";
 import { Attempts } from "@/api/idempotency";
 import { useCreateJob } from "@/api/queries";
 import type { Job } from "@/api/types";
-import { anatomical } from "@/format/format";
+import { Failure } from "@/app/Notice";
 import { AsCode } from "@/features/snippets/AsCode";
 import { jobSnippets } from "@/features/snippets/snippets";
-
-export type Point = [number, number, number];
+import { anatomical } from "@/format/format";
+import type { Box } from "@/viewers/volume/box";
+import { onceMore, type Point } from "./params";
+import classes from "./segmentation.module.css";
 
 interface SeedPanelProps {
   job: Job;
   seeds: readonly Point[];
+  box: Box | null;
   onChange: (seeds: readonly Point[]) => void;
+  onBox: (box: Box | null) => void;
   /** Look at a seed. */
   onLook: (seed: Point) => void;
 }
 
-/** Seeds that were placed in the slices, and the same segmentation once more, started from them. */
-export function SeedPanel({ job, seeds, onChange, onLook }: SeedPanelProps) {
+/** Seeds and a box that were drawn in the slices, and the same segmentation once more, started from them. */
+export function SeedPanel({ job, seeds, box, onChange, onBox, onLook }: SeedPanelProps) {
   const navigate = useNavigate();
   const create = useCreateJob();
   const [attempts] = useState(() => new Attempts());
-  const request = {
-    kind: job.kind,
-    inputs: job.inputs,
-    params: { ...job.params, seeds: seeds.map((seed) => seed.map((value) => Math.round(value * 100) / 100)) },
-  };
+  const request = onceMore(job, seeds, box);
+  const points = seeds.length === 1 ? "this point" : `these ${seeds.length} points`;
   return (
     <Paper p="md" component="section" aria-labelledby="seeds">
       <Title order={2} id="seeds">
-        Start from points
+        Start from points or a box
       </Title>
-      {seeds.length === 0 ? (
+      {seeds.length === 0 && box === null ? (
         <Text size="sm" c="dimmed">
-          Click into the rim of what was missed, then “Seed here” above the slices.
+          Click into the rim of what was missed, then “Seed here” above the slices. Or draw a box around any object:
+          what is in it is segmented, whatever it is.
         </Text>
       ) : (
         <>
-          <Group gap={6} my="sm" component="ul" p={0} style={{ listStyle: "none" }}>
-            {seeds.map((seed, index) => (
-              <li key={seed.join()}>
-                <Pill
-                  size="md"
-                  withRemoveButton
-                  removeButtonProps={{ "aria-label": `Remove seed ${index + 1}`, "aria-hidden": false, tabIndex: 0 }}
-                  onRemove={() => onChange(seeds.filter((one) => one !== seed))}
-                >
-                  <button type="button" style={PLAIN} onClick={() => onLook(seed)}>
-                    {anatomical(seed)}
-                  </button>
-                </Pill>
-              </li>
-            ))}
-          </Group>
-          {create.isError && (
-            <Alert color="red" variant="light" mb="sm" role="alert">
-              {create.error.message}
-            </Alert>
+          {seeds.length > 0 && (
+            <Group gap={6} my="sm" component="ul" p={0} style={{ listStyle: "none" }}>
+              {seeds.map((seed, index) => (
+                <li key={seed.join()}>
+                  <Pill
+                    size="md"
+                    withRemoveButton
+                    removeButtonProps={{ "aria-label": `Remove seed ${index + 1}`, "aria-hidden": false, tabIndex: 0 }}
+                    onRemove={() => onChange(seeds.filter((one) => one !== seed))}
+                  >
+                    <button type="button" style={PLAIN} onClick={() => onLook(seed)}>
+                      {anatomical(seed)}
+                    </button>
+                  </Pill>
+                </li>
+              ))}
+            </Group>
           )}
-          <Group mb="sm">
+          {box && <BoxFields box={box} onBox={onBox} />}
+          {create.isError && <Failure error={create.error} />}
+          <Group my="sm">
             <Button
               size="sm"
               leftSection={<Play size={15} aria-hidden="true" />}
@@ -73,7 +74,7 @@ export function SeedPanel({ job, seeds, onChange, onLook }: SeedPanelProps) {
                 )
               }
             >
-              Segment from {seeds.length === 1 ? "this point" : `these ${seeds.length} points`}
+              Segment {box ? "what is in the box" : `from ${points}`}
             </Button>
           </Group>
           <AsCode of={(target) => jobSnippets(request, target)} />
@@ -84,3 +85,38 @@ export function SeedPanel({ job, seeds, onChange, onLook }: SeedPanelProps) {
 }
 
 const PLAIN = { all: "unset", cursor: "pointer" } as const;
+const SIDES = ["Left", "Back", "Bottom", "Right", "Front", "Top"] as const;
+
+/** The sides of the box as numbers, for those who know them or draw with no mouse. */
+function BoxFields({ box, onBox }: { box: Box; onBox: (box: Box | null) => void }) {
+  return (
+    <div className={classes.box} role="group" aria-label="Sides of the box, RAS mm">
+      {SIDES.map((label, k) => (
+        <NumberInput
+          key={label}
+          size="xs"
+          label={label}
+          suffix=" mm"
+          decimalScale={1}
+          step={1}
+          value={Math.round(10 * (box[k] as number)) / 10}
+          onChange={(value) => {
+            if (typeof value !== "number" || value === box[k]) return;
+            const next = [...box] as [number, number, number, number, number, number];
+            next[k] = value;
+            onBox(next);
+          }}
+        />
+      ))}
+      <Button
+        size="xs"
+        variant="default"
+        leftSection={<X size={13} aria-hidden="true" />}
+        className={classes.noBox ?? ""}
+        onClick={() => onBox(null)}
+      >
+        No box
+      </Button>
+    </div>
+  );
+}

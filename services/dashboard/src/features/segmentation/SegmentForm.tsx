@@ -121,7 +121,7 @@ export function SegmentForm({ recent }: { recent: readonly string[] }) {
               required
               volumes={all.filter(({ id }) => id !== pre && id !== vessels)}
               value={post}
-              loading={volumes.isLoading}
+              known={volumes.data !== undefined}
               onChange={(id) => setChosen((before) => ({ ...before, post: id }))}
             />
             {choices.mode !== "object" && (
@@ -130,7 +130,7 @@ export function SegmentForm({ recent }: { recent: readonly string[] }) {
                 description="Optional: with it, what was bright from the start is told from what takes up contrast."
                 volumes={all.filter(({ id }) => id !== post && id !== vessels)}
                 value={pre}
-                loading={volumes.isLoading}
+                known={volumes.data !== undefined}
                 onChange={(id) => setChosen((before) => ({ ...before, pre: id }))}
               />
             )}
@@ -139,7 +139,7 @@ export function SegmentForm({ recent }: { recent: readonly string[] }) {
               description="Optional: vessels around what is found, and bleedings beside them."
               volumes={all.filter(({ id }) => id !== post && id !== pre)}
               value={vessels}
-              loading={volumes.isLoading}
+              known={volumes.data !== undefined}
               onChange={(id) => setChosen((before) => ({ ...before, vessels: id }))}
             />
             <div>
@@ -161,7 +161,6 @@ export function SegmentForm({ recent }: { recent: readonly string[] }) {
               </Collapse>
             </div>
             {create.isError && <Failure error={create.error} />}
-            {volumes.isError && <Failure error={volumes.error} onRetry={() => void volumes.refetch()} />}
             <Button type="submit" disabled={!post || hindered} loading={create.isPending}>
               Segment
             </Button>
@@ -179,11 +178,12 @@ interface VolumeSelectProps {
   required?: boolean;
   volumes: readonly Asset[];
   value: string | null;
-  loading: boolean;
+  /** Whether they are here. */
+  known: boolean;
   onChange: (id: string | null) => void;
 }
 
-function VolumeSelect({ label, description, required = false, volumes, value, loading, onChange }: VolumeSelectProps) {
+function VolumeSelect({ label, description, required = false, volumes, value, known, onChange }: VolumeSelectProps) {
   const byId = new Map(volumes.map((volume) => [volume.id, volume]));
   const data: ComboboxItem[] = volumes.map((volume) => ({
     value: volume.id,
@@ -194,7 +194,9 @@ function VolumeSelect({ label, description, required = false, volumes, value, lo
       label={label}
       {...(description ? { description } : {})}
       required={required}
-      placeholder={loading ? "Loading…" : volumes.length === 0 ? "Upload a volume first" : "Choose a volume"}
+      placeholder={
+        !known ? "The volumes are not here yet" : volumes.length === 0 ? "Upload a volume first" : "Choose a volume"
+      }
       data={data}
       searchable
       clearable={!required}

@@ -5,16 +5,17 @@ import type { Artifact, Asset, Job } from "@/api/types";
 import { Empty, Waiting } from "@/app/Notice";
 import { ComparePanel } from "@/features/compare/ComparePanel";
 import { distancesTo } from "@/features/compare/distances";
+import { Downloads } from "@/features/jobs/Downloads";
 import { labelNames, LABELS } from "@/viewers/labels";
+import type { Box } from "@/viewers/volume/box";
 import { NoWebGL } from "@/viewers/ViewerFrame";
 import { hasWebGL } from "@/viewers/webgl";
 import { Alignments } from "./Alignments";
 import { BleedingTable } from "./BleedingTable";
-import { Downloads } from "./Downloads";
 import { drawableName } from "./drawable";
 import { ObjectTable } from "./ObjectTable";
-import type { SegmentationResult } from "./params";
-import { type Point, SeedPanel } from "./SeedPanel";
+import type { Point, SegmentationResult } from "./params";
+import { SeedPanel } from "./SeedPanel";
 import { surfacesOf } from "./surfaces";
 import { VesselTable } from "./VesselTable";
 import classes from "./segmentation.module.css";
@@ -37,6 +38,7 @@ interface SegmentationViewProps {
 export default function SegmentationView({ job, result, post, facts }: SegmentationViewProps) {
   const [chosen, setChosen] = useState<number | null>(null);
   const [seeds, setSeeds] = useState<readonly Point[]>([]);
+  const [box, setBox] = useState<Box | null>(null);
   const [looked, setLooked] = useState<Point | null>(null);
   const [reference, setReference] = useState<Asset | null>(null);
   const [values, setValues] = useState<readonly number[] | null>(null);
@@ -97,6 +99,8 @@ export default function SegmentationView({ job, result, post, facts }: Segmentat
                 focus={looked ?? focus}
                 reference={mask}
                 onSeed={place}
+                box={box}
+                onBox={setBox}
               />
             </Suspense>
           )}
@@ -169,7 +173,14 @@ export default function SegmentationView({ job, result, post, facts }: Segmentat
               onValues={setValues}
             />
           )}
-          <SeedPanel job={job} seeds={seeds} onChange={setSeeds} onLook={(seed) => setLooked([...seed])} />
+          <SeedPanel
+            job={job}
+            seeds={seeds}
+            box={box}
+            onChange={setSeeds}
+            onBox={setBox}
+            onLook={(seed) => setLooked([...seed])}
+          />
           <Downloads artifacts={job.artifacts ?? []} />
         </Stack>
         <Stack gap="md">

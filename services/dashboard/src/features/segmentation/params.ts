@@ -1,8 +1,13 @@
 import type { components } from "@/api/schema";
+import type { Job, JobCreate } from "@/api/types";
+import type { Box } from "@/viewers/volume/box";
 
 export type SegmentationParams = components["schemas"]["SegmentationParams"];
 export type SegmentationResult = components["schemas"]["SegmentationResult"];
 export type SegmentedObject = components["schemas"]["SegmentedObject"];
+
+/** RAS mm. */
+export type Point = [number, number, number];
 
 /** Read seed points as people write them: three numbers each (RAS mm), one point to a line or separated by semicolons. */
 export function parseSeeds(text: string): {
@@ -123,4 +128,24 @@ export function readChoices(
 /** Whether a job's result has the form of a segmentation's. */
 export function isSegmentationResult(result: unknown): result is SegmentationResult {
   return typeof result === "object" && result !== null && "objects" in result && Array.isArray(result.objects);
+}
+
+/** The job's work once more from other places. A box points at any object, which is looked for in one volume. */
+export function onceMore(
+  job: Pick<Job, "kind" | "inputs" | "params">,
+  seeds: readonly Point[],
+  box: Box | null,
+): JobCreate {
+  const rounded = (values: readonly number[]) => values.map((value) => Math.round(value * 100) / 100);
+  const without = <T>(from: Record<string, T>, ...names: string[]) =>
+    Object.fromEntries(Object.entries(from).filter(([name]) => !names.includes(name)));
+  return {
+    kind: job.kind,
+    inputs: box ? without(job.inputs, "pre") : job.inputs,
+    params: {
+      ...without(job.params, "box", "seeds"),
+      ...(box ? { mode: "object", box: rounded(box) } : {}),
+      ...(seeds.length > 0 ? { seeds: seeds.map(rounded) } : {}),
+    },
+  };
 }

@@ -8,6 +8,7 @@ import { infoQuery } from "@/api/queries";
 import type { Key, Scope } from "@/api/types";
 import { Failure, Waiting } from "@/app/Notice";
 import { sayFailure } from "@/app/say";
+import { Sure } from "@/app/Sure";
 import { useNow } from "@/app/useNow";
 import { AsCode, CopyCode } from "@/features/snippets/AsCode";
 import { keySnippets } from "@/features/snippets/snippets";
@@ -158,7 +159,6 @@ function KeyTable({ keys }: { keys: readonly Key[] }) {
 
 function KeyRow({ apiKey: key, now }: { apiKey: Key; now: number }) {
   const revoke = useRevokeKey();
-  const [sure, setSure] = useState(false);
   const over = key.expires_at ? Date.parse(key.expires_at) < now : false;
   return (
     <Table.Tr>
@@ -190,20 +190,27 @@ function KeyRow({ apiKey: key, now }: { apiKey: Key; now: number }) {
         </Text>
       </Table.Td>
       <Table.Td ta="right">
-        <Button
+        <Sure
           size="compact-sm"
-          variant={sure ? "light" : "subtle"}
-          color={sure ? "red" : "gray"}
+          variant="light"
+          sure="Revoke for good"
+          aria-label={`Revoke for good ${key.name}`}
           loading={revoke.isPending}
-          aria-label={`${sure ? "Revoke for good" : "Revoke"} ${key.name}`}
-          onBlur={() => setSure(false)}
-          onClick={() => {
-            if (!sure) setSure(true);
-            else revoke.mutate(key.id, { onError: (error) => sayFailure("Not revoked", error) });
-          }}
+          onSure={() => revoke.mutate(key.id, { onError: (error) => sayFailure("Not revoked", error) })}
         >
-          {sure ? "Revoke for good" : "Revoke"}
-        </Button>
+          {(ask) => (
+            <Button
+              size="compact-sm"
+              variant="subtle"
+              color="gray"
+              loading={revoke.isPending}
+              aria-label={`Revoke ${key.name}`}
+              onClick={ask}
+            >
+              Revoke
+            </Button>
+          )}
+        </Sure>
       </Table.Td>
     </Table.Tr>
   );

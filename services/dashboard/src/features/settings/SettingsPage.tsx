@@ -3,6 +3,7 @@ import { useQuery } from "@tanstack/react-query";
 import { infoQuery, kindsQuery } from "@/api/queries";
 import { Failure } from "@/app/Notice";
 import { Page } from "@/app/Page";
+import { workName } from "@/features/jobs/naming";
 import { bytes, duration, integer } from "@/format/format";
 import { ApiKeys } from "./ApiKeys";
 import classes from "./settings.module.css";
@@ -50,7 +51,7 @@ function Limits() {
           </Title>
           <dl className={classes.facts}>
             {kinds.data.map((kind) => [
-              <dt key={`${kind.name} name`}>{kind.name}</dt>,
+              <dt key={`${kind.name} name`}>{workName(kind.name)}</dt>,
               <dd key={kind.name}>
                 {duration(kind.time_limit)}, {bytes(kind.memory_limit)}
               </dd>,

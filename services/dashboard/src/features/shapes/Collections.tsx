@@ -12,7 +12,8 @@ import classes from "./shapes.module.css";
 type Asked = { is: "make" } | { is: "rename" | "remove"; of: Collection };
 
 interface CollectionsProps {
-  collections: readonly Collection[];
+  /** Undefined while they are not known. */
+  collections: readonly Collection[] | undefined;
   chosen: string | undefined;
   /** Where the list goes when the chosen collection has another name, or is gone. */
   onChosen: (name: string | undefined) => void;
@@ -21,7 +22,7 @@ interface CollectionsProps {
 /** All collections; the chosen one can be renamed and deleted. */
 export function Collections({ collections, chosen, onChosen }: CollectionsProps) {
   const [asked, setAsked] = useState<Asked | null>(null);
-  const total = collections.reduce((sum, { shapes }) => sum + shapes, 0);
+  const total = collections?.reduce((sum, { shapes }) => sum + shapes, 0);
   const close = () => setAsked(null);
   return (
     <nav className={classes.collections} aria-label="Collections">
@@ -33,9 +34,9 @@ export function Collections({ collections, chosen, onChosen }: CollectionsProps)
         aria-current={chosen === undefined ? "page" : undefined}
       >
         <span className={classes.name}>All shapes</span>
-        <span className={classes.number}>{integer(total)}</span>
+        {total !== undefined && <span className={classes.number}>{integer(total)}</span>}
       </Link>
-      {collections.map((collection) => (
+      {collections?.map((collection) => (
         <div key={collection.id} className={classes.entry}>
           <Link
             to="/shapes"

@@ -1,4 +1,4 @@
-import { ActionIcon, Stack, Text, Tooltip } from "@mantine/core";
+import { Group, Stack, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { Brush as BrushIcon, ExternalLink } from "lucide-react";
 import { lazy, Suspense, useMemo, useState } from "react";
@@ -8,12 +8,14 @@ import { Waiting } from "@/app/Notice";
 import { matchedColors, PAINT, type Rgb, UNMATCHED } from "@/viewers/shape/colors";
 import { modelQuery } from "@/viewers/shape/model";
 import { ViewLink } from "@/viewers/shape/ViewLink";
+import { Tool } from "@/viewers/Tool";
 import { NoWebGL } from "@/viewers/ViewerFrame";
 import { hasWebGL } from "@/viewers/webgl";
 import { colorLevel, colorParts, facesOf } from "./coloring";
 import { best } from "./HitList";
 import { PaintPanel } from "./PaintPanel";
 import type { SearchAddress } from "./searching";
+import { ShapePicture } from "./ShapePicture";
 import classes from "./shape.module.css";
 import { finest, usePainting } from "./usePainting";
 
@@ -64,60 +66,58 @@ export function PairView({ name, files, hit, parts, address }: PairViewProps) {
       facesOf(found.data, hit.level, new Set(matched.found.keys())),
     ];
   }, [region, hit, matched, query.data, found.data]);
-  if (!hasWebGL()) return <NoWebGL />;
   return (
     <Stack gap="md" style={{ minWidth: 0 }}>
-      <div className={classes.pair}>
-        <Suspense fallback={<Waiting label="Loading the viewer…" />}>
-          {files && (
-            <ShapeViewer
-              label={name}
-              testId="query"
-              model={query}
-              colors={paints ? painting.colors : queryColors}
-              link={link}
-              focus={queryFocus}
-              onPaint={paints ? painting.onPaint : null}
-              tools={
-                <Tooltip label="Paint a region and search with it" openDelay={400}>
-                  <ActionIcon
-                    variant={paints ? "filled" : "default"}
-                    size={30}
-                    aria-label="Paint a region and search with it"
-                    aria-pressed={paints}
+      {hasWebGL() ? (
+        <div className={classes.pair}>
+          <Suspense fallback={<Waiting label="Loading the viewer…" />}>
+            {files && (
+              <ShapeViewer
+                label={name}
+                testId="query"
+                model={query}
+                colors={paints ? painting.colors : queryColors}
+                link={link}
+                focus={queryFocus}
+                onPaint={paints ? painting.onPaint : null}
+                tools={
+                  <Tool
+                    label="Paint a region and search with it"
+                    icon={BrushIcon}
+                    on={paints}
                     onClick={() => setPaints(!paints)}
+                  />
+                }
+              />
+            )}
+            {hit && (
+              <ShapeViewer
+                key={hit.shape_id}
+                label={hit.shape.name || "Without a name"}
+                testId="found"
+                model={found}
+                colors={foundColors}
+                link={link}
+                focus={foundFocus}
+                tools={
+                  <LinkButton
+                    to="/shapes/$shapeId"
+                    params={{ shapeId: hit.shape_id }}
+                    size="compact-sm"
+                    h={30}
+                    variant="default"
+                    leftSection={<ExternalLink size={13} aria-hidden="true" />}
                   >
-                    <BrushIcon size={15} />
-                  </ActionIcon>
-                </Tooltip>
-              }
-            />
-          )}
-          {hit && (
-            <ShapeViewer
-              key={hit.shape_id}
-              label={hit.shape.name || "Without a name"}
-              testId="found"
-              model={found}
-              colors={foundColors}
-              link={link}
-              focus={foundFocus}
-              tools={
-                <LinkButton
-                  to="/shapes/$shapeId"
-                  params={{ shapeId: hit.shape_id }}
-                  size="compact-sm"
-                  h={30}
-                  variant="default"
-                  leftSection={<ExternalLink size={13} aria-hidden="true" />}
-                >
-                  Open
-                </LinkButton>
-              }
-            />
-          )}
-        </Suspense>
-      </div>
+                    Open
+                  </LinkButton>
+                }
+              />
+            )}
+          </Suspense>
+        </div>
+      ) : (
+        <NoWebGL>{hit && <ShapePicture shape={hit.shape} size={220} />}</NoWebGL>
+      )}
       {paints && query.data ? (
         <PaintPanel model={query.data} painting={painting} search={{ ...address }} onClose={() => setPaints(false)} />
       ) : (
@@ -130,15 +130,16 @@ export function PairView({ name, files, hit, parts, address }: PairViewProps) {
         )
       )}
       {hit && !paints && (
-        <LinkButton
-          to="/shapes/search"
-          search={{ shape: hit.shape_id }}
-          variant="subtle"
-          size="compact-sm"
-          style={{ alignSelf: "flex-start" }}
-        >
-          Go on with shapes like {hit.shape.name || "this one"}
-        </LinkButton>
+        <Group gap="xs">
+          <LinkButton to="/shapes/search" search={{ shape: hit.shape_id }} variant="subtle" size="compact-sm">
+            Go on with shapes like {hit.shape.name || "this one"}
+          </LinkButton>
+          {!hasWebGL() && (
+            <LinkButton to="/shapes/$shapeId" params={{ shapeId: hit.shape_id }} variant="subtle" size="compact-sm">
+              Open it
+            </LinkButton>
+          )}
+        </Group>
       )}
     </Stack>
   );

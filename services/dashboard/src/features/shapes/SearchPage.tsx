@@ -1,4 +1,4 @@
-import { Alert, Breadcrumbs, Button, Group, Paper, Progress, Stack, Text } from "@mantine/core";
+import { Alert, Button, Group, Paper, Progress, Stack, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, useNavigate } from "@tanstack/react-router";
 import { RotateCw, SearchX, TriangleAlert } from "lucide-react";
@@ -56,31 +56,24 @@ function Searching({ address }: { address: SearchAddress }) {
   return (
     <Page
       tab={`Like ${name}`}
+      trail={[
+        <LinkAnchor key="shapes" to="/shapes" size="sm">
+          Shapes
+        </LinkAnchor>,
+        <LinkAnchor key="search" to="/shapes/search" search={{}} size="sm">
+          Search
+        </LinkAnchor>,
+      ]}
       title={
         <>
-          <Breadcrumbs mb={4} separatorMargin={6} fz="sm" fw={400} c="dimmed">
-            <LinkAnchor to="/shapes" size="sm">
-              Shapes
+          Like{" "}
+          {address.shape ? (
+            <LinkAnchor to="/shapes/$shapeId" params={{ shapeId: address.shape }} inherit c="var(--mantine-color-text)">
+              {name}
             </LinkAnchor>
-            <LinkAnchor to="/shapes/search" search={{}} size="sm">
-              Search
-            </LinkAnchor>
-          </Breadcrumbs>
-          <span style={{ overflowWrap: "anywhere" }}>
-            Like{" "}
-            {address.shape ? (
-              <LinkAnchor
-                to="/shapes/$shapeId"
-                params={{ shapeId: address.shape }}
-                inherit
-                c="var(--mantine-color-text)"
-              >
-                {name}
-              </LinkAnchor>
-            ) : (
-              name
-            )}
-          </span>
+          ) : (
+            name
+          )}
         </>
       }
       lead={
@@ -127,36 +120,32 @@ function Searching({ address }: { address: SearchAddress }) {
           <Underway job={job} />
         ) : (
           <div className={classes.search}>
-            <Stack gap="md" style={{ minWidth: 0 }}>
-              <PairView
-                key={made ?? address.shape}
-                name={name}
-                files={files}
-                hit={chosen ?? null}
-                parts={parts}
-                address={address}
+            <PairView
+              key={made ?? address.shape}
+              name={name}
+              files={files}
+              hit={chosen ?? null}
+              parts={parts}
+              address={address}
+            />
+            {hits.length === 0 ? (
+              <Paper>
+                <Empty icon={<SearchX size={28} />} title="Nothing was found">
+                  <NothingFound narrowed={Boolean(address.collection ?? address.labels)} />
+                </Empty>
+              </Paper>
+            ) : (
+              <HitList
+                hits={hits}
+                partial={answer.mode === "partial"}
+                chosen={chosen?.shape_id ?? null}
+                onChoose={setAsked}
               />
-              <AsCode
-                title="This search, as code"
-                of={(target) => searchSnippets(requestOf(searchOf(address)), target, asset.data?.filename)}
-              />
-            </Stack>
-            <Stack gap="md" style={{ minWidth: 0 }}>
-              {hits.length === 0 ? (
-                <Paper>
-                  <Empty icon={<SearchX size={28} />} title="Nothing was found">
-                    <NothingFound narrowed={Boolean(address.collection ?? address.labels)} />
-                  </Empty>
-                </Paper>
-              ) : (
-                <HitList
-                  hits={hits}
-                  partial={answer.mode === "partial"}
-                  chosen={chosen?.shape_id ?? null}
-                  onChoose={setAsked}
-                />
-              )}
-            </Stack>
+            )}
+            <AsCode
+              title="This search, as code"
+              of={(target) => searchSnippets(requestOf(searchOf(address)), target, asset.data?.filename)}
+            />
           </div>
         )}
       </Stack>

@@ -1,16 +1,17 @@
-import { Alert, Breadcrumbs, Button, Group, Stack, Text } from "@mantine/core";
+import { Alert, Button, Group, Stack } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, useNavigate } from "@tanstack/react-router";
-import { Brush as BrushIcon, ScanSearch, SearchX, Trash2, TriangleAlert } from "lucide-react";
+import { Brush as BrushIcon, ScanSearch, Trash2, TriangleAlert } from "lucide-react";
 import { lazy, Suspense, useMemo, useState } from "react";
-import { ApiError } from "@/api/problem";
 import { requestOf } from "@/api/search";
 import { shapeQuery, useDeleteShape } from "@/api/shapes";
 import type { ShapeDetail } from "@/api/types";
 import { LinkAnchor, LinkButton } from "@/app/links";
-import { Empty, Failure, Waiting } from "@/app/Notice";
+import { Waiting } from "@/app/Notice";
+import { One } from "@/app/One";
 import { Page } from "@/app/Page";
 import { say, sayFailure } from "@/app/say";
+import { Sure } from "@/app/Sure";
 import { useNow } from "@/app/useNow";
 import { AsCode } from "@/features/snippets/AsCode";
 import { searchSnippets } from "@/features/snippets/snippets";
@@ -25,6 +26,7 @@ import { ReindexNotice } from "./ReindexNotice";
 import { ShapeAbout } from "./ShapeAbout";
 import { ShapeFacts } from "./ShapeFacts";
 import { ShapeFiles } from "./ShapeFiles";
+import { ShapePicture } from "./ShapePicture";
 import classes from "./shape.module.css";
 import { usePainting } from "./usePainting";
 import { ViewTools } from "./ViewTools";
@@ -36,25 +38,19 @@ const route = getRouteApi("/shapes/$shapeId");
 export function ShapePage() {
   const { shapeId } = route.useParams();
   const shape = useQuery(shapeQuery(shapeId));
-  if (shape.data) return <LoadedShape key={shapeId} shape={shape.data} />;
-  const missing = shape.error instanceof ApiError && (shape.error.status === 404 || shape.error.status === 422);
   return (
-    <Page title="" tab="Shape">
-      {shape.isPending ? (
-        <Waiting label="Loading the shape…" />
-      ) : missing ? (
-        <Empty icon={<SearchX size={32} />} title="There is no such shape">
-          <Text size="sm" c="dimmed">
-            It was deleted, its address may be mistyped, or it belongs to another key.
-          </Text>
-          <LinkButton to="/shapes" variant="default" mt="sm">
-            To the shapes
-          </LinkButton>
-        </Empty>
-      ) : (
-        <Failure error={shape.error} onRetry={() => void shape.refetch()} />
-      )}
-    </Page>
+    <One
+      query={shape}
+      what="shape"
+      missing="It was deleted, its address may be mistyped, or it belongs to another key."
+      back={
+        <LinkButton to="/shapes" variant="default" mt="sm">
+          To the shapes
+        </LinkButton>
+      }
+    >
+      {(found) => <LoadedShape key={shapeId} shape={found} />}
+    </One>
   );
 }
 
@@ -63,20 +59,15 @@ function LoadedShape({ shape }: { shape: ShapeDetail }) {
   const name = shape.name || "Without a name";
   return (
     <Page
-      tab={name}
-      title={
-        <>
-          <Breadcrumbs mb={4} separatorMargin={6} fz="sm" fw={400} c="dimmed">
-            <LinkAnchor to="/shapes" size="sm">
-              Shapes
-            </LinkAnchor>
-            <LinkAnchor to="/shapes" search={{ collection: shape.collection }} size="sm">
-              {shape.collection}
-            </LinkAnchor>
-          </Breadcrumbs>
-          <span style={{ overflowWrap: "anywhere" }}>{name}</span>
-        </>
-      }
+      title={name}
+      trail={[
+        <LinkAnchor key="shapes" to="/shapes" size="sm">
+          Shapes
+        </LinkAnchor>,
+        <LinkAnchor key="collection" to="/shapes" search={{ collection: shape.collection }} size="sm">
+          {shape.collection}
+        </LinkAnchor>,
+      ]}
       lead={<span title={moment(shape.indexed_at)}>indexed {ago(shape.indexed_at, now)}</span>}
       actions={
         <Group gap="sm">
@@ -100,7 +91,13 @@ function LoadedShape({ shape }: { shape: ShapeDetail }) {
         ))}
         <div className={classes.columns}>
           <Stack gap="md" style={{ minWidth: 0 }}>
-            {hasWebGL() ? <View shape={shape} /> : <NoWebGL />}
+            {hasWebGL() ? (
+              <View shape={shape} />
+            ) : (
+              <NoWebGL>
+                <ShapePicture shape={shape} size={220} />
+              </NoWebGL>
+            )}
             <ShapeFacts shape={shape} />
           </Stack>
           <Stack gap="md">
@@ -184,31 +181,21 @@ function useGraph(model: ShapeModel | undefined, levels: ShapeDetail["levels"], 
 function DeleteShape({ shape }: { shape: ShapeDetail }) {
   const navigate = useNavigate();
   const remove = useDeleteShape();
-  const [sure, setSure] = useState(false);
-  if (!sure) {
-    return (
-      <Button variant="default" leftSection={<Trash2 size={15} aria-hidden="true" />} onClick={() => setSure(true)}>
-        Delete
-      </Button>
-    );
-  }
+  const run = () =>
+    remove.mutate(shape.id, {
+      onSuccess: () => {
+        say("Deleted", `${shape.name || "The shape"} is found no more. Its mesh stays.`);
+        void navigate({ to: "/shapes", search: { collection: shape.collection } });
+      },
+      onError: (error) => sayFailure("Not deleted", error),
+    });
   return (
-    <Button
-      color="red"
-      autoFocus
-      loading={remove.isPending}
-      onBlur={() => setSure(false)}
-      onClick={() =>
-        remove.mutate(shape.id, {
-          onSuccess: () => {
-            say("Deleted", `${shape.name || "The shape"} is found no more. Its mesh stays.`);
-            void navigate({ to: "/shapes", search: { collection: shape.collection } });
-          },
-          onError: (error) => sayFailure("Not deleted", error),
-        })
-      }
-    >
-      Delete for good
-    </Button>
+    <Sure sure="Delete for good" loading={remove.isPending} onSure={run}>
+      {(ask) => (
+        <Button variant="default" leftSection={<Trash2 size={15} aria-hidden="true" />} onClick={ask}>
+          Delete
+        </Button>
+      )}
+    </Sure>
   );
 }

@@ -10,6 +10,7 @@ import { LinkButton } from "@/app/links";
 import { Empty, Failure, Waiting } from "@/app/Notice";
 import { Page } from "@/app/Page";
 import { say, sayFailure } from "@/app/say";
+import { Sure } from "@/app/Sure";
 import { droppedFiles, type Picked } from "@/features/uploads/gather";
 import { integer } from "@/format/format";
 import { Additions } from "./Additions";
@@ -89,7 +90,11 @@ export function ShapesPage() {
         onDrop={drop}
       >
         {over && <div className={classes.drop}>Drop meshes to add them</div>}
-        <Collections collections={all} chosen={filter.collection} onChosen={(name) => narrow({ collection: name })} />
+        <Collections
+          collections={collections.data}
+          chosen={filter.collection}
+          onChosen={(name) => narrow({ collection: name })}
+        />
         <div style={{ minWidth: 0 }}>
           <Additions />
           <div className={classes.filters}>
@@ -194,7 +199,6 @@ interface ChosenBarProps {
 /** What to do with the shapes that are ticked. */
 function ChosenBar({ chosen, all, collections, onChosen }: ChosenBarProps) {
   const change = useChangeShapes();
-  const [sure, setSure] = useState(false);
   const many = chosen.size === 1 ? "1 shape" : `${integer(chosen.size)} shapes`;
   const run = (collection: string | null) =>
     change.mutate(
@@ -203,10 +207,7 @@ function ChosenBar({ chosen, all, collections, onChosen }: ChosenBarProps) {
         onSuccess: () =>
           say(collection === null ? `${many} deleted` : `${many} moved`, collection ?? "The meshes stay."),
         onError: (error) => sayFailure(collection === null ? "Not all were deleted" : "Not all were moved", error),
-        onSettled: () => {
-          setSure(false);
-          onChosen(new Set());
-        },
+        onSettled: () => onChosen(new Set()),
       },
     );
   return (
@@ -228,28 +229,19 @@ function ChosenBar({ chosen, all, collections, onChosen }: ChosenBarProps) {
         value={null}
         onChange={(name) => name && run(name)}
       />
-      {sure ? (
-        <Button
-          size="xs"
-          color="red"
-          autoFocus
-          loading={change.isPending}
-          onBlur={() => setSure(false)}
-          onClick={() => run(null)}
-        >
-          Delete {many} for good
-        </Button>
-      ) : (
-        <Button
-          size="xs"
-          variant="default"
-          disabled={chosen.size === 0 || change.isPending}
-          loading={change.isPending}
-          onClick={() => setSure(true)}
-        >
-          Delete
-        </Button>
-      )}
+      <Sure size="xs" sure={`Delete ${many} for good`} loading={change.isPending} onSure={() => run(null)}>
+        {(ask) => (
+          <Button
+            size="xs"
+            variant="default"
+            disabled={chosen.size === 0 || change.isPending}
+            loading={change.isPending}
+            onClick={ask}
+          >
+            Delete
+          </Button>
+        )}
+      </Sure>
     </Group>
   );
 }

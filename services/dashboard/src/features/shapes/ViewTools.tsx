@@ -1,6 +1,7 @@
-import { ActionIcon, SegmentedControl, Tooltip } from "@mantine/core";
+import { SegmentedControl } from "@mantine/core";
 import { Waypoints } from "lucide-react";
 import type { ReactNode } from "react";
+import { Tool } from "@/viewers/Tool";
 
 interface ViewToolsProps {
   levels: readonly { level: number; parts: number }[];
@@ -27,18 +28,13 @@ export function ViewTools({ levels, level, onLevel, graph, onGraph, children }: 
         value={level === null ? "none" : String(level)}
         onChange={(value) => onLevel(value === "none" ? null : Number(value))}
       />
-      <Tooltip label="Draw the graph of the parts" openDelay={400}>
-        <ActionIcon
-          variant={graph ? "filled" : "default"}
-          size={30}
-          aria-label="Draw the graph of the parts"
-          aria-pressed={graph}
-          disabled={level === null}
-          onClick={() => onGraph(!graph)}
-        >
-          <Waypoints size={16} />
-        </ActionIcon>
-      </Tooltip>
+      <Tool
+        label="Draw the graph of the parts"
+        icon={Waypoints}
+        on={graph}
+        disabled={level === null}
+        onClick={() => onGraph(!graph)}
+      />
     </>
   );
 }

@@ -7,6 +7,7 @@ import { keys, volumesQuery } from "@/api/queries";
 import type { Asset } from "@/api/types";
 import { Failure } from "@/app/Notice";
 import { sayFailure } from "@/app/say";
+import { Sure } from "@/app/Sure";
 import { useNow } from "@/app/useNow";
 import { describeAsset } from "@/format/asset";
 import { ago, bytes, moment } from "@/format/format";
@@ -43,7 +44,6 @@ export function VolumeShelf({ except }: { except: readonly string[] }) {
 
 function Row({ volume, now }: { volume: Asset; now: number }) {
   const client = useQueryClient();
-  const [sure, setSure] = useState(false);
   const remove = useMutation({
     mutationFn: () =>
       body(
@@ -70,30 +70,15 @@ function Row({ volume, now }: { volume: Asset; now: number }) {
           {describeAsset(volume)}
         </Text>
       </div>
-      {sure ? (
-        <Button
-          size="compact-sm"
-          color="red"
-          variant="light"
-          loading={remove.isPending}
-          onBlur={() => setSure(false)}
-          onClick={() => remove.mutate()}
-          autoFocus
-        >
-          Delete
-        </Button>
-      ) : (
-        <Tooltip label="Delete" openDelay={400}>
-          <ActionIcon
-            variant="subtle"
-            color="gray"
-            aria-label={`Delete ${volume.filename}`}
-            onClick={() => setSure(true)}
-          >
-            <Trash2 size={16} />
-          </ActionIcon>
-        </Tooltip>
-      )}
+      <Sure size="compact-sm" variant="light" sure="Delete" loading={remove.isPending} onSure={() => remove.mutate()}>
+        {(ask) => (
+          <Tooltip label="Delete" openDelay={400}>
+            <ActionIcon variant="subtle" color="gray" aria-label={`Delete ${volume.filename}`} onClick={ask}>
+              <Trash2 size={16} />
+            </ActionIcon>
+          </Tooltip>
+        )}
+      </Sure>
     </li>
   );
 }

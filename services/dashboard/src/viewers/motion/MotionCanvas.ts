@@ -1,23 +1,16 @@
 import {
-  AmbientLight,
-  Box3,
   BufferAttribute,
   BufferGeometry,
   Color,
-  DirectionalLight,
   DoubleSide,
-  HemisphereLight,
   Mesh,
   MeshBasicMaterial,
   MeshStandardMaterial,
-  PerspectiveCamera,
-  Scene,
   Sphere,
   Vector3,
-  WebGLRenderer,
 } from "three";
+import { Stage } from "../stage/Stage";
 import { errorColor } from "./errorColors";
-import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 
 const PLAIN = new Color("#8fc9c4");
 const ORIGINAL = new Color("#d8c7a6");
@@ -35,35 +28,20 @@ export interface Difference {
 
 /** A mesh whose vertices move, alone, beside or over its original. Draws only when something has changed. */
 export class MotionCanvas {
-  readonly canvas = document.createElement("canvas");
-  readonly #renderer: WebGLRenderer;
-  readonly #scene = new Scene();
-  readonly #camera = new PerspectiveCamera(32, 1, 0.01, 1000);
-  readonly #controls: OrbitControls;
+  readonly stage: Stage;
   readonly #mesh: Mesh<BufferGeometry, MeshStandardMaterial>;
   readonly #original: Mesh<BufferGeometry, MeshStandardMaterial>;
   readonly #wires: Mesh<BufferGeometry, MeshBasicMaterial>;
   readonly #positions: BufferAttribute;
   readonly #before: BufferAttribute;
   readonly #colors: BufferAttribute;
-  readonly #resize: ResizeObserver;
   #layout: Layout = "decoded";
   #coloring: Coloring = "plain";
-  #size = { width: 1, height: 1 };
-  #drawing = 0;
   #looked = false;
 
-  constructor(parent: HTMLElement, vertices: number, faces: Uint32Array) {
-    this.canvas.tabIndex = 0;
-    this.canvas.setAttribute("role", "img");
-    parent.append(this.canvas);
-    this.#renderer = new WebGLRenderer({ canvas: this.canvas, antialias: true });
-    this.#renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
-    this.#renderer.setClearColor("#000000");
-    const light = new DirectionalLight("#ffffff", 2);
-    light.position.set(0.4, 0.7, 1);
-    this.#camera.add(light);
-    this.#scene.add(this.#camera, new HemisphereLight("#dfeeee", "#3a4a50", 1.1), new AmbientLight("#ffffff", 0.25));
+  constructor(parent: HTMLElement, vertices: number, faces: Uint32Array, onLost: () => void) {
+    this.stage = new Stage(parent, { onHome: () => this.look(), onLost });
+    this.stage.render = () => this.#render();
     const index = new BufferAttribute(faces, 1);
     const attribute = () => new BufferAttribute(new Float32Array(3 * vertices), 3);
     [this.#positions, this.#before, this.#colors] = [attribute(), attribute(), attribute()];
@@ -82,13 +60,8 @@ export class MotionCanvas {
     );
     for (const mesh of [this.#mesh, this.#original, this.#wires]) {
       mesh.frustumCulled = false;
-      this.#scene.add(mesh);
+      this.stage.scene.add(mesh);
     }
-    this.#controls = new OrbitControls(this.#camera, this.canvas);
-    this.#controls.addEventListener("change", this.draw);
-    this.#resize = new ResizeObserver(() => this.#fit(parent));
-    this.#resize.observe(parent);
-    this.#fit(parent);
     this.arrange("decoded", "plain", null);
   }
 
@@ -114,7 +87,7 @@ export class MotionCanvas {
       this.#colors.needsUpdate = true;
     }
     if (!this.#looked) this.look();
-    this.draw();
+    this.stage.draw();
   }
 
   /** Choose what is drawn where, and by what the decoded mesh is colored. */
@@ -129,71 +102,51 @@ export class MotionCanvas {
     material.vertexColors = coloring !== "plain";
     material.color.set(coloring === "plain" ? PLAIN : "#ffffff");
     material.needsUpdate = true;
-    this.draw();
+    this.stage.draw();
   }
 
   look(): void {
-    const sphere = new Box3().setFromBufferAttribute(this.#positions).getBoundingSphere(new Sphere());
-    if (!(sphere.radius > 0)) return;
+    // The sphere is that of the frame that is shown; its box would have a far larger one.
+    this.#mesh.geometry.computeBoundingSphere();
+    const sphere = this.#mesh.geometry.boundingSphere;
+    if (!sphere || !(sphere.radius > 0)) return;
     this.#looked = true;
-    const { width, height } = this.#size;
-    const aspect = (this.#layout === "beside" ? 0.5 : 1) * (width / Math.max(height, 1));
-    const distance = (sphere.radius * 1.25) / Math.sin((this.#camera.fov * Math.PI) / 360) / Math.min(1, aspect);
-    this.#controls.target.copy(sphere.center);
-    this.#camera.position.copy(sphere.center).addScaledVector(new Vector3(0.5, 0.35, 1).normalize(), distance);
-    this.#camera.near = distance / 100;
-    this.#camera.far = distance * 20;
-    this.#camera.updateProjectionMatrix();
-    this.#controls.update();
-    this.draw();
+    // With room for what plays it, at the foot of the picture.
+    const seen = new Sphere(sphere.center, 1.36 * sphere.radius);
+    this.stage.lookAt(seen, new Vector3(0.5, 0.35, 1), this.#layout === "beside" ? 0.5 : 1);
   }
 
   close(): void {
-    cancelAnimationFrame(this.#drawing);
-    this.#resize.disconnect();
-    this.#controls.dispose();
     for (const mesh of [this.#mesh, this.#original, this.#wires]) {
       mesh.geometry.dispose();
       mesh.material.dispose();
     }
-    this.#renderer.dispose();
-    this.#renderer.forceContextLoss();
-    this.canvas.remove();
+    this.stage.close();
   }
 
-  draw = (): void => {
-    this.#drawing ||= requestAnimationFrame(() => {
-      this.#drawing = 0;
-      const { width, height } = this.#size;
-      if (this.#layout !== "beside") {
-        this.#view(0, width, height, this.#layout !== "original", this.#layout === "original");
-        return;
-      }
-      const half = Math.floor(width / 2);
-      this.#view(0, half - 1, height, false, true);
-      this.#view(half, width - half, height, true, false);
-    });
-  };
+  #render(): void {
+    const { width } = this.stage;
+    if (this.#layout !== "beside") {
+      this.#view(0, width, this.#layout !== "original", this.#layout === "original");
+      return;
+    }
+    const half = Math.floor(width / 2);
+    this.#view(0, half - 1, false, true);
+    this.#view(half, width - half, true, false);
+  }
 
   /** Draw into a part of the canvas. */
-  #view(left: number, width: number, height: number, decoded: boolean, original: boolean): void {
+  #view(left: number, width: number, decoded: boolean, original: boolean): void {
+    const { renderer, camera, scene, height } = this.stage;
     this.#mesh.visible = decoded;
     this.#original.visible = original;
     this.#wires.visible = this.#layout === "overlaid";
-    this.#camera.aspect = width / Math.max(height, 1);
-    this.#camera.updateProjectionMatrix();
-    this.#renderer.setScissorTest(true);
-    this.#renderer.setScissor(left, 0, width, height);
-    this.#renderer.setViewport(left, 0, width, height);
-    this.#renderer.render(this.#scene, this.#camera);
-  }
-
-  #fit(parent: HTMLElement): void {
-    const { clientWidth: width, clientHeight: height } = parent;
-    if (width === 0 || height === 0) return;
-    this.#renderer.setSize(width, height, false);
-    this.#size = { width, height };
-    this.draw();
+    camera.aspect = width / height;
+    camera.updateProjectionMatrix();
+    renderer.setScissorTest(true);
+    renderer.setScissor(left, 0, width, height);
+    renderer.setViewport(left, 0, width, height);
+    renderer.render(scene, camera);
   }
 }
 

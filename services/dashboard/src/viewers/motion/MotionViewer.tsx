@@ -1,4 +1,4 @@
-import { ActionIcon, SegmentedControl, Text, Tooltip } from "@mantine/core";
+import { SegmentedControl, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { Maximize } from "lucide-react";
 import { useEffect, useRef, useState } from "react";
@@ -9,6 +9,7 @@ import { significant } from "@/format/format";
 import { download } from "../download";
 import { PlayControls } from "../play/PlayControls";
 import { usePlay } from "../play/usePlay";
+import { Tool } from "../Tool";
 import { ViewerFrame, type ViewerStatus } from "../ViewerFrame";
 import frame from "../viewers.module.css";
 import classes from "./motion.module.css";
@@ -101,13 +102,9 @@ export function MotionViewer({ url, size, residuals, unit, onFrame }: MotionView
       setStatus({ is: "loading", fraction: 1, what: "Decoding…" });
       const motion = await player.open(content, fail);
       if (controller.signal.aborted) return;
-      canvas = new MotionCanvas(element, motion.header.vertices, motion.faces);
-      canvas.canvas.dataset.testid = "motion";
-      canvas.canvas.setAttribute("aria-label", "The motion in 3D. Drag to turn it.");
-      canvas.canvas.addEventListener("webglcontextlost", (event) => {
-        event.preventDefault();
-        if (!controller.signal.aborted) setStatus({ is: "lost" });
-      });
+      const { header, faces } = motion;
+      canvas = new MotionCanvas(element, header.vertices, faces, () => setStatus({ is: "lost" }));
+      canvas.stage.tell("The motion in 3D.", "motion");
       viewer.current = { canvas, player, opened: motion };
       player.want(0);
       setOpened(motion);
@@ -181,16 +178,7 @@ export function MotionViewer({ url, size, residuals, unit, onFrame }: MotionView
             value={coloring}
             onChange={(value) => setColoring(value)}
           />
-          <Tooltip label="Look at all of it" openDelay={400}>
-            <ActionIcon
-              variant="default"
-              size={30}
-              aria-label="Look at all of it"
-              onClick={() => viewer.current?.canvas.look()}
-            >
-              <Maximize size={16} />
-            </ActionIcon>
-          </Tooltip>
+          <Tool label="Look at all of it" icon={Maximize} onClick={() => viewer.current?.canvas.look()} />
         </>
       }
     >

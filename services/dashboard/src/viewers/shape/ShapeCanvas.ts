@@ -1,28 +1,22 @@
 import {
-  AmbientLight,
   BufferAttribute,
   BufferGeometry,
   Color,
-  DirectionalLight,
   DoubleSide,
   Group,
-  HemisphereLight,
   Mesh,
   MeshBasicMaterial,
   MeshStandardMaterial,
-  PerspectiveCamera,
   Raycaster,
-  Scene,
   SphereGeometry,
   Spherical,
   Vector2,
   Vector3,
-  WebGLRenderer,
 } from "three";
-import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
 import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
+import { Stage } from "../stage/Stage";
 import type { Graph } from "./graph";
 import { cornerNormals, type Surface } from "./surface";
 import type { LinkedView, Turn, ViewLink } from "./ViewLink";
@@ -54,40 +48,23 @@ export type OnPaint = (face: number, at: [number, number, number]) => void;
 
 /** A shape in its principal frame, a color to each corner of its faces. Draws only when something has changed. */
 export class ShapeCanvas implements LinkedView {
-  readonly canvas = document.createElement("canvas");
-  readonly #renderer: WebGLRenderer;
-  readonly #scene = new Scene();
-  readonly #camera = new PerspectiveCamera(32, 1, 0.05, 50);
-  readonly #controls: OrbitControls;
+  readonly stage: Stage;
   readonly #mesh: Mesh<BufferGeometry, MeshStandardMaterial>;
   /** The colors of a face's first, second and third corner, told to each of them. */
   readonly #colors: readonly BufferAttribute[];
   readonly #graph = new Group();
-  readonly #resize: ResizeObserver;
   readonly #link: ViewLink | null;
   readonly #surface: Surface;
   readonly #home = new Spherical();
-  #drawing = 0;
   #following = false;
   #paint: OnPaint | null = null;
 
-  constructor(parent: HTMLElement, surface: Surface, link: ViewLink | null) {
+  constructor(parent: HTMLElement, surface: Surface, link: ViewLink | null, onLost: () => void) {
     this.#surface = surface;
-    this.canvas.tabIndex = 0;
-    this.canvas.setAttribute("role", "img");
-    parent.append(this.canvas);
-    this.#renderer = new WebGLRenderer({ canvas: this.canvas, antialias: true });
-    this.#renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
-    this.#renderer.setClearColor("#000000");
-    const light = new DirectionalLight("#ffffff", 2);
-    light.position.set(-0.5, 0.8, 1);
-    this.#camera.add(light);
-    this.#scene.add(
-      this.#camera,
-      new HemisphereLight("#eef6f6", "#3a4a50", 1),
-      new AmbientLight("#ffffff", 0.3),
-      this.#graph,
-    );
+    this.stage = new Stage(parent, { light: [-0.5, 0.8, 1], onHome: () => this.look(), onLost });
+    const { camera, controls, scene } = this.stage;
+    [camera.near, camera.far] = [0.05, 50];
+    camera.updateProjectionMatrix();
     const corners = surface.faces.length;
     const positions = new Float32Array(3 * corners);
     for (let i = 0; i < corners; i += 1) {
@@ -107,30 +84,18 @@ export class ShapeCanvas implements LinkedView {
     const material = new MeshStandardMaterial({ roughness: 0.6, metalness: 0, side: DoubleSide });
     material.onBeforeCompile = colorByCorner;
     this.#mesh = new Mesh(geometry, material);
-    this.#scene.add(this.#mesh);
-    this.#controls = new OrbitControls(this.#camera, this.canvas);
-    this.#controls.enablePan = false;
-    this.#controls.minDistance = NEAREST;
-    this.#controls.maxDistance = FARTHEST;
-    this.#controls.addEventListener("change", this.#moved);
-    this.canvas.addEventListener("keydown", this.#key);
+    scene.add(this.#mesh, this.#graph);
+    controls.enablePan = false;
+    [controls.minDistance, controls.maxDistance] = [NEAREST, FARTHEST];
+    controls.addEventListener("change", this.#moved);
     parent.addEventListener("pointerdown", this.#down, { capture: true });
     this.#link = link;
-    this.#fit(parent);
     this.begin(null);
     link?.join(this);
-    this.#resize = new ResizeObserver(() => this.#fit(parent));
-    this.#resize.observe(parent);
-  }
-
-  /** What tests and those who do not see it know it by. */
-  tell(label: string, testId: string): void {
-    this.canvas.setAttribute("aria-label", label);
-    this.canvas.dataset.testid = testId;
   }
 
   get turn(): Turn {
-    const now = new Spherical().setFromVector3(this.#camera.position);
+    const now = new Spherical().setFromVector3(this.stage.camera.position);
     return {
       around: now.theta - this.#home.theta,
       down: now.phi - this.#home.phi,
@@ -168,7 +133,7 @@ export class ShapeCanvas implements LinkedView {
       }
       attribute.needsUpdate = true;
     });
-    this.draw();
+    this.stage.draw();
   }
 
   /** Draw a graph over the surface, which becomes glassy; null takes it away. */
@@ -202,47 +167,35 @@ export class ShapeCanvas implements LinkedView {
         this.#graph.add(mesh);
       });
     }
-    this.draw();
+    this.stage.draw();
   }
 
   /** While set, a drag that begins on the shape paints; one beside it turns, as always. */
   paintWith(paint: OnPaint | null): void {
     this.#paint = paint;
-    this.canvas.style.cursor = paint ? "crosshair" : "";
+    this.stage.canvas.style.cursor = paint ? "crosshair" : "";
   }
 
   close(): void {
-    cancelAnimationFrame(this.#drawing);
     this.#link?.leave(this);
-    this.#resize.disconnect();
-    this.#controls.dispose();
-    this.canvas.parentElement?.removeEventListener("pointerdown", this.#down, { capture: true });
+    this.stage.canvas.parentElement?.removeEventListener("pointerdown", this.#down, { capture: true });
     this.#clearGraph();
     this.#mesh.geometry.dispose();
     this.#mesh.material.dispose();
-    this.#renderer.dispose();
-    this.#renderer.forceContextLoss();
-    this.canvas.remove();
+    this.stage.close();
   }
-
-  draw = (): void => {
-    this.#drawing ||= requestAnimationFrame(() => {
-      this.#drawing = 0;
-      this.#renderer.render(this.#scene, this.#camera);
-    });
-  };
 
   #moved = () => {
     if (!this.#following) this.#link?.moved(this);
-    this.draw();
   };
 
   #place(at: Spherical): void {
     const radius = Math.min(Math.max(at.radius, NEAREST), FARTHEST);
     const phi = Math.min(Math.max(at.phi, 0.05), Math.PI - 0.05);
-    this.#camera.position.setFromSpherical(new Spherical(radius, phi, at.theta));
-    this.#controls.update();
+    this.stage.camera.position.setFromSpherical(new Spherical(radius, phi, at.theta));
+    this.stage.controls.update();
     this.#moved();
+    this.stage.draw();
   }
 
   /** Where some faces look to, on the whole; where they look everywhere, the side on which they lie. */
@@ -264,7 +217,7 @@ export class ShapeCanvas implements LinkedView {
 
   /** How far away all of the shape is seen from a side, and fills the view. */
   #distance(towards: Vector3): number {
-    const up = Math.tan((this.#camera.fov * Math.PI) / 360);
+    const up = Math.tan((this.stage.camera.fov * Math.PI) / 360);
     const right = new Vector3(0, 1, 0).cross(towards);
     if (right.lengthSq() < 1e-6) right.set(1, 0, 0);
     right.normalize();
@@ -274,7 +227,7 @@ export class ShapeCanvas implements LinkedView {
     let distance = NEAREST;
     for (let i = 0; i < positions.length; i += 3) {
       point.fromArray(positions, i);
-      const beside = Math.abs(point.dot(right)) / this.#camera.aspect;
+      const beside = Math.abs(point.dot(right)) / this.stage.camera.aspect;
       distance = Math.max(distance, point.dot(towards) + (MARGIN * Math.max(beside, Math.abs(point.dot(above)))) / up);
     }
     return Math.min(distance, FARTHEST);
@@ -289,23 +242,14 @@ export class ShapeCanvas implements LinkedView {
     }
   }
 
-  #fit(parent: HTMLElement): void {
-    const { clientWidth: width, clientHeight: height } = parent;
-    if (width === 0 || height === 0) return;
-    this.#renderer.setSize(width, height, false);
-    this.#camera.aspect = width / height;
-    this.#camera.updateProjectionMatrix();
-    this.draw();
-  }
-
   #hit(event: PointerEvent): { face: number; at: [number, number, number] } | null {
-    const box = this.canvas.getBoundingClientRect();
+    const box = this.stage.canvas.getBoundingClientRect();
     const place = new Vector2(
       ((event.clientX - box.left) / box.width) * 2 - 1,
       1 - ((event.clientY - box.top) / box.height) * 2,
     );
     const caster = new Raycaster();
-    caster.setFromCamera(place, this.#camera);
+    caster.setFromCamera(place, this.stage.camera);
     const [hit] = caster.intersectObject(this.#mesh);
     return hit?.faceIndex === undefined || hit.faceIndex === null
       ? null
@@ -318,8 +262,8 @@ export class ShapeCanvas implements LinkedView {
     if (!first) return;
     event.stopPropagation(); // the controls would turn the shape
     event.preventDefault();
-    this.canvas.focus();
-    this.canvas.setPointerCapture(event.pointerId);
+    this.stage.canvas.focus();
+    this.stage.canvas.setPointerCapture(event.pointerId);
     this.#paint(first.face, first.at);
     const move = (next: PointerEvent) => {
       for (const step of next.getCoalescedEvents?.().slice(-4) ?? [next]) {
@@ -328,36 +272,12 @@ export class ShapeCanvas implements LinkedView {
       }
     };
     const up = () => {
-      this.canvas.removeEventListener("pointermove", move);
-      this.canvas.removeEventListener("pointerup", up);
-      this.canvas.removeEventListener("pointercancel", up);
+      this.stage.canvas.removeEventListener("pointermove", move);
+      this.stage.canvas.removeEventListener("pointerup", up);
+      this.stage.canvas.removeEventListener("pointercancel", up);
     };
-    this.canvas.addEventListener("pointermove", move);
-    this.canvas.addEventListener("pointerup", up);
-    this.canvas.addEventListener("pointercancel", up);
-  };
-
-  /** Arrows turn around, plus and minus come nearer and go away, Home looks at everything. */
-  #key = (event: KeyboardEvent) => {
-    const turns: Record<string, [number, number]> = {
-      ArrowLeft: [-0.12, 0],
-      ArrowRight: [0.12, 0],
-      ArrowUp: [0, -0.12],
-      ArrowDown: [0, 0.12],
-    };
-    const zooms: Record<string, number> = { "+": 0.9, "=": 0.9, "-": 1.11 };
-    const turn = turns[event.key];
-    const zoom = zooms[event.key];
-    if (event.ctrlKey || event.metaKey || event.altKey || !(turn || zoom || event.key === "Home")) return;
-    event.preventDefault();
-    if (event.key === "Home") {
-      this.look();
-      return;
-    }
-    const at = new Spherical().setFromVector3(this.#camera.position);
-    at.radius *= zoom ?? 1;
-    at.theta += turn?.[0] ?? 0;
-    at.phi += turn?.[1] ?? 0;
-    this.#place(at);
+    this.stage.canvas.addEventListener("pointermove", move);
+    this.stage.canvas.addEventListener("pointerup", up);
+    this.stage.canvas.addEventListener("pointercancel", up);
   };
 }

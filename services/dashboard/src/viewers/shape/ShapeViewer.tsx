@@ -1,7 +1,7 @@
-import { ActionIcon, Tooltip } from "@mantine/core";
 import type { UseQueryResult } from "@tanstack/react-query";
 import { Maximize } from "lucide-react";
 import { type ReactNode, useEffect, useEffectEvent, useRef, useState } from "react";
+import { Tool } from "../Tool";
 import { ViewerFrame, type ViewerStatus } from "../ViewerFrame";
 import frame from "../viewers.module.css";
 import type { Graph } from "./graph";
@@ -51,7 +51,9 @@ export function ShapeViewer({
     if (!element || !surface) return;
     let made: ShapeCanvas | null = null;
     let closed = false;
-    const open = new Promise<ShapeCanvas>((resolve) => resolve(new ShapeCanvas(element, surface, link)));
+    const open = new Promise<ShapeCanvas>((resolve) =>
+      resolve(new ShapeCanvas(element, surface, link, () => setBroken("lost"))),
+    );
     open.then(
       (canvas) => {
         if (closed) {
@@ -59,10 +61,6 @@ export function ShapeViewer({
           return;
         }
         made = canvas;
-        canvas.canvas.addEventListener("webglcontextlost", (event) => {
-          event.preventDefault();
-          if (!closed) setBroken("lost");
-        });
         setCanvas(canvas);
       },
       (error: unknown) => setBroken({ error }),
@@ -75,7 +73,7 @@ export function ShapeViewer({
   }, [surface, link, attempt]);
 
   useEffect(() => {
-    canvas?.tell(`${label} in 3D. Arrow keys turn it, plus and minus zoom, Home shows all of it.`, testId);
+    canvas?.stage.tell(`${label} in 3D.`, testId);
   }, [canvas, label, testId]);
   useEffect(() => {
     if (canvas && colors) canvas.color(colors);
@@ -111,16 +109,12 @@ export function ShapeViewer({
       tools={
         <>
           {tools}
-          <Tooltip label="Look at all of it" openDelay={400}>
-            <ActionIcon
-              variant="default"
-              size={30}
-              aria-label={`Look at all of ${label}`}
-              onClick={() => canvas?.look()}
-            >
-              <Maximize size={16} />
-            </ActionIcon>
-          </Tooltip>
+          <Tool
+            label="Look at all of it"
+            name={`Look at all of ${label}`}
+            icon={Maximize}
+            onClick={() => canvas?.look()}
+          />
         </>
       }
     >

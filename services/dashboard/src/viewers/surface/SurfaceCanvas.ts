@@ -1,29 +1,23 @@
 import {
-  AmbientLight,
   Box3,
   Box3Helper,
   BufferAttribute,
   BufferGeometry,
   CanvasTexture,
   Color,
-  DirectionalLight,
   DoubleSide,
   Group,
-  HemisphereLight,
   LineBasicMaterial,
   LineSegments,
   Mesh,
   MeshStandardMaterial,
-  PerspectiveCamera,
-  Scene,
   Sphere,
   Sprite,
   SpriteMaterial,
   Vector3,
-  WebGLRenderer,
   WireframeGeometry,
 } from "three";
-import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { Stage } from "../stage/Stage";
 import type { Frame } from "./evolution";
 import { readSurface, type SurfaceMesh } from "./readSurface";
 
@@ -51,60 +45,28 @@ const DIRECTIONS: readonly [string, Vector3][] = [
 
 /** Surfaces in space, in the frame they come in (RAS mm): up is the patient's head. Draws only when something moved. */
 export class SurfaceCanvas {
-  readonly canvas: HTMLCanvasElement;
-  readonly #renderer: WebGLRenderer;
-  readonly #scene = new Scene();
-  readonly #camera = new PerspectiveCamera(32, 1, 1, 4000);
-  readonly #controls: OrbitControls;
+  readonly stage: Stage;
   readonly #surfaces = new Map<number, Surface>();
   readonly #frame = new Group();
   /** Surfaces on their way; while there are any, nothing else is shown. */
   readonly #growing = new Group();
-  readonly #resize: ResizeObserver;
-  #drawing = 0;
-  #closed = false;
   #edges = false;
   #chosen: number | null = null;
   /** The sphere that one looked at last, and whether somebody has moved the camera since. */
   #seen = new Sphere();
   #moved = false;
 
-  constructor(parent: HTMLElement) {
-    this.canvas = document.createElement("canvas");
-    this.canvas.tabIndex = 0;
-    this.canvas.setAttribute("role", "img");
-    parent.append(this.canvas);
-    this.#renderer = new WebGLRenderer({
-      canvas: this.canvas,
-      antialias: true,
-    });
-    this.#renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
-    this.#renderer.setClearColor("#000000");
-    this.#camera.up.set(0, 0, 1);
-    const light = new DirectionalLight("#ffffff", 2.1);
-    light.position.set(0.4, 0.7, 1);
-    this.#camera.add(light);
-    this.#scene.add(
-      this.#camera,
-      new HemisphereLight("#dfeeee", "#3a4a50", 1.1),
-      new AmbientLight("#ffffff", 0.25),
-      this.#frame,
-      this.#growing,
-    );
+  constructor(parent: HTMLElement, onLost: () => void) {
+    this.stage = new Stage(parent, { up: [0, 0, 1], onHome: () => this.look(), onLost });
+    this.stage.scene.add(this.#frame, this.#growing);
     this.#growing.visible = false;
-    this.#controls = new OrbitControls(this.#camera, this.canvas);
-    this.#controls.addEventListener("change", this.draw);
-    this.#controls.addEventListener("start", () => (this.#moved = true));
-    this.canvas.addEventListener("keydown", this.#key);
-    this.#resize = new ResizeObserver(() => this.#fitSize(parent));
-    this.#resize.observe(parent);
-    this.#fitSize(parent);
+    this.stage.controls.addEventListener("start", () => (this.#moved = true));
   }
 
   add({ id, content, color }: SurfaceSource): void {
     const geometry = geometryOf(readSurface(content));
     const mesh = new Mesh(geometry, matter(color));
-    this.#scene.add(mesh);
+    this.stage.scene.add(mesh);
     this.#surfaces.set(id, { mesh, edges: null, color: new Color(color), opacity: 1 });
     this.#restyle();
   }
@@ -138,21 +100,12 @@ export class SurfaceCanvas {
     if (this.#growing.visible) box.expandByObject(this.#growing);
     else for (const [one, { mesh }] of this.#surfaces) if (id === null || id === one) box.expandByObject(mesh);
     if (box.isEmpty()) return;
-    const { center } = box.getBoundingSphere(this.#seen);
-    const radius = (this.#seen.radius *= room);
+    box.getBoundingSphere(this.#seen).radius *= room;
     this.#moved = false;
-    const direction =
-      id === null ? new Vector3(0.45, 1, 0.4) : new Vector3().subVectors(this.#camera.position, this.#controls.target);
-    const narrow = Math.min(1, this.#camera.aspect);
-    const distance = (radius * 1.1) / Math.sin((this.#camera.fov * Math.PI) / 360) / narrow;
-    this.#controls.target.copy(center);
-    this.#camera.position.copy(center).addScaledVector(direction.normalize(), distance);
-    this.#camera.near = distance / 100;
-    this.#camera.far = distance * 20;
-    this.#camera.updateProjectionMatrix();
-    this.#controls.update();
+    const { camera, controls } = this.stage;
+    const kept = new Vector3().subVectors(camera.position, controls.target);
+    this.stage.lookAt(this.#seen, id === null ? new Vector3(0.45, 1, 0.4) : kept);
     this.#letters(box);
-    this.draw();
   }
 
   /** x, y, z of a surface's vertices, RAS mm. */
@@ -192,11 +145,6 @@ export class SurfaceCanvas {
   }
 
   close(): void {
-    this.#closed = true;
-    cancelAnimationFrame(this.#drawing);
-    this.#resize.disconnect();
-    this.#controls.dispose();
-    this.canvas.removeEventListener("keydown", this.#key);
     for (const { mesh, edges } of this.#surfaces.values()) {
       mesh.geometry.dispose();
       mesh.material.dispose();
@@ -205,18 +153,8 @@ export class SurfaceCanvas {
     }
     this.#clearGrowing();
     this.#clearLetters();
-    this.#renderer.dispose();
-    this.#renderer.forceContextLoss();
-    this.canvas.remove();
+    this.stage.close();
   }
-
-  draw = (): void => {
-    if (this.#drawing || this.#closed) return;
-    this.#drawing = requestAnimationFrame(() => {
-      this.#drawing = 0;
-      this.#renderer.render(this.#scene, this.#camera);
-    });
-  };
 
   #restyle(): void {
     for (const [id, surface] of this.#surfaces) {
@@ -242,7 +180,7 @@ export class SurfaceCanvas {
       }
       if (surface.edges) surface.edges.visible = this.#edges && !faded;
     }
-    this.draw();
+    this.stage.draw();
   }
 
   /** A thin box around what is seen, with the letters of the six directions. */
@@ -284,48 +222,6 @@ export class SurfaceCanvas {
       }
     }
   }
-
-  #fitSize(parent: HTMLElement): void {
-    const { clientWidth: width, clientHeight: height } = parent;
-    if (width === 0 || height === 0) return;
-    this.#renderer.setSize(width, height, false);
-    this.#camera.aspect = width / height;
-    this.#camera.updateProjectionMatrix();
-    this.draw();
-  }
-
-  /** Arrows turn around, plus and minus come nearer and go away, Home looks at everything. */
-  #key = (event: KeyboardEvent) => {
-    const turns: Record<string, [number, number]> = {
-      ArrowLeft: [-0.12, 0],
-      ArrowRight: [0.12, 0],
-      ArrowUp: [0, -0.12],
-      ArrowDown: [0, 0.12],
-    };
-    const zooms: Record<string, number> = { "+": 0.9, "=": 0.9, "-": 1.11 };
-    const turn = turns[event.key];
-    const zoom = zooms[event.key];
-    if (event.key === "Home") {
-      event.preventDefault();
-      this.look();
-      return;
-    }
-    if (!turn && !zoom) return;
-    event.preventDefault();
-    this.#moved = true;
-    const offset = new Vector3().subVectors(this.#camera.position, this.#controls.target);
-    if (zoom) offset.multiplyScalar(zoom);
-    if (turn) {
-      const radius = offset.length();
-      const azimuth = Math.atan2(offset.y, offset.x) + turn[0];
-      const polar = Math.min(Math.max(Math.acos(offset.z / radius) + turn[1], 0.05), Math.PI - 0.05);
-      const { sin, cos } = Math;
-      offset.set(sin(polar) * cos(azimuth), sin(polar) * sin(azimuth), cos(polar)).multiplyScalar(radius);
-    }
-    this.#camera.position.copy(this.#controls.target).add(offset);
-    this.#controls.update();
-    this.draw();
-  };
 }
 
 function geometryOf({ positions, faces }: SurfaceMesh): BufferGeometry {

@@ -1,10 +1,10 @@
-import { ActionIcon, Tooltip } from "@mantine/core";
 import { Clapperboard, Grid3x3, Maximize, Ruler } from "lucide-react";
 import { useEffect, useEffectEvent, useRef, useState } from "react";
 import { sayFailure } from "@/app/say";
 import { download } from "../download";
 import { PlayControls } from "../play/PlayControls";
 import { usePlay } from "../play/usePlay";
+import { Tool } from "../Tool";
 import { ViewerFrame, type ViewerStatus } from "../ViewerFrame";
 import frame from "../viewers.module.css";
 import { type Frame, readEvolution, sceneAt } from "./evolution";
@@ -69,16 +69,8 @@ export function SurfaceViewer({ surfaces, chosen, evolution = null, measure = nu
     const load = async () => {
       const tell = (fraction: number) => setStatus({ is: "loading", fraction, what: "Loading the surface…" });
       tell(0);
-      canvas = new SurfaceCanvas(element);
-      canvas.canvas.dataset.testid = "surface";
-      canvas.canvas.setAttribute(
-        "aria-label",
-        "The surface in 3D. Arrow keys turn it, plus and minus zoom, Home shows all of it.",
-      );
-      canvas.canvas.addEventListener("webglcontextlost", (event) => {
-        event.preventDefault();
-        if (!controller.signal.aborted) setStatus({ is: "lost" });
-      });
+      canvas = new SurfaceCanvas(element, () => setStatus({ is: "lost" }));
+      canvas.stage.tell("The surface in 3D.", "surface");
       const wanted = files();
       const total = wanted.reduce((sum, { size }) => sum + size, 0) || 1;
       let before = 0;
@@ -197,57 +189,28 @@ export function SurfaceViewer({ surfaces, chosen, evolution = null, measure = nu
       tools={
         <>
           {evolution && (
-            <Tooltip label="Watch how it grew" openDelay={400}>
-              <ActionIcon
-                variant={replaying ? "filled" : "default"}
-                size={30}
-                aria-label="Watch how it grew"
-                aria-pressed={replaying}
-                onClick={() => {
-                  setReplaying(!replaying);
-                  setShown(0);
-                  setPlaying(!replaying);
-                }}
-              >
-                <Clapperboard size={16} />
-              </ActionIcon>
-            </Tooltip>
+            <Tool
+              label="Watch how it grew"
+              icon={Clapperboard}
+              on={replaying}
+              onClick={() => {
+                setReplaying(!replaying);
+                setShown(0);
+                setPlaying(!replaying);
+              }}
+            />
           )}
           {measure && (
-            <Tooltip label="Color by the distance to the mask" openDelay={400}>
-              <ActionIcon
-                variant={distances ? "filled" : "default"}
-                size={30}
-                aria-label="Color by the distance to the mask"
-                aria-pressed={distances}
-                onClick={() => setDistances(!distances)}
-              >
-                <Ruler size={16} />
-              </ActionIcon>
-            </Tooltip>
+            <Tool
+              label="Color by the distance to the mask"
+              icon={Ruler}
+              on={distances}
+              onClick={() => setDistances(!distances)}
+            />
           )}
           <LayerMenu surfaces={surfaces} opacities={opacities} onChange={setOpacities} />
-          <Tooltip label="Show the mesh's edges" openDelay={400}>
-            <ActionIcon
-              variant={edges ? "filled" : "default"}
-              size={30}
-              aria-label="Show the mesh's edges"
-              aria-pressed={edges}
-              onClick={() => setEdges(!edges)}
-            >
-              <Grid3x3 size={16} />
-            </ActionIcon>
-          </Tooltip>
-          <Tooltip label="Look at all of it" openDelay={400}>
-            <ActionIcon
-              variant="default"
-              size={30}
-              aria-label="Look at all of it"
-              onClick={() => viewer.current?.look()}
-            >
-              <Maximize size={16} />
-            </ActionIcon>
-          </Tooltip>
+          <Tool label="Show the mesh's edges" icon={Grid3x3} on={edges} onClick={() => setEdges(!edges)} />
+          <Tool label="Look at all of it" icon={Maximize} onClick={() => viewer.current?.look()} />
         </>
       }
     >

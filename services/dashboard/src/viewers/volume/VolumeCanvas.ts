@@ -1,6 +1,7 @@
 import { Niivue, NVImage, NVMesh, SLICE_TYPE } from "@niivue/niivue";
 import { LABELS, REFERENCE_COLOR, rgb } from "../labels";
 import type { SurfaceMesh } from "../surface/readSurface";
+import type { SliceView } from "./box";
 
 export type VolumeLayout = "slices" | "axial" | "coronal" | "sagittal" | "render";
 
@@ -49,6 +50,24 @@ interface Location {
   values: { value: number }[];
 }
 
+/** niivue that tells when it has drawn. */
+class Viewer extends Niivue {
+  onDrawn: (() => void) | null = null;
+
+  override drawScene(): ReturnType<Niivue["drawScene"]> {
+    const told = super.drawScene();
+    this.onDrawn?.();
+    return told;
+  }
+}
+
+/** The axes of a slice: across, upwards, through. */
+const AXES: Partial<Record<SLICE_TYPE, [0 | 1, 1 | 2, 0 | 1 | 2]>> = {
+  [SLICE_TYPE.AXIAL]: [0, 1, 2],
+  [SLICE_TYPE.CORONAL]: [0, 2, 1],
+  [SLICE_TYPE.SAGITTAL]: [1, 2, 0],
+};
+
 const TYPES = {
   axial: SLICE_TYPE.AXIAL,
   coronal: SLICE_TYPE.CORONAL,
@@ -66,7 +85,7 @@ const SLICES: Niivue["customLayout"] = [
 /** niivue behind the few things that the page wants of it; the volume in the frame RAS mm, as everywhere. */
 export class VolumeCanvas {
   readonly canvas: HTMLCanvasElement;
-  readonly #viewer: Niivue;
+  readonly #viewer: Viewer;
   #closed = false;
   #shown: Display | null = null;
   #reference: NVImage | null = null;
@@ -78,7 +97,7 @@ export class VolumeCanvas {
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute("role", "img");
     parent.append(this.canvas);
-    this.#viewer = new Niivue({
+    this.#viewer = new Viewer({
       backColor: [0, 0, 0, 1],
       crosshairColor: [0.5, 0.78, 0.75, 0.55],
       crosshairWidth: 0.35,
@@ -217,8 +236,48 @@ export class VolumeCanvas {
     viewer.drawScene();
   }
 
+  /** Tell the slices now, and each time they were drawn, until what this returns is called. */
+  watch(told: (views: SliceView[]) => void): () => void {
+    this.#viewer.onDrawn = () => told(this.views());
+    this.#viewer.onDrawn();
+    return () => {
+      this.#viewer.onDrawn = null;
+    };
+  }
+
+  /** The slices as they were drawn last. */
+  views(): SliceView[] {
+    const ratio = this.canvas.width / Math.max(this.canvas.clientWidth, 1);
+    return this.#viewer.screenSlices.flatMap(({ axCorSag, leftTopWidthHeight, leftTopMM, fovMM }) => {
+      const axes = AXES[axCorSag];
+      const [left = 0, top = 0, width = 0, height = 0] = leftTopWidthHeight.map((value) => value / ratio);
+      const [lowAcross = 0, lowUp = 0] = leftTopMM;
+      const [acrossMM = 1, sizeUp = 1] = fovMM;
+      if (!axes) return [];
+      const [across, up, through] = axes;
+      return {
+        across,
+        up,
+        through,
+        left: Math.min(left, left + width),
+        top,
+        width: Math.abs(width),
+        height,
+        mirrored: width < 0 !== acrossMM < 0,
+        low: [Math.min(lowAcross, lowAcross + acrossMM), lowUp] as const,
+        size: [Math.abs(acrossMM), sizeUp] as const,
+      };
+    });
+  }
+
+  /** Move the crosshair along an axis, in voxels. */
+  step(axis: 0 | 1 | 2, by: number): void {
+    this.#viewer.moveCrosshairInVox(axis === 0 ? by : 0, axis === 1 ? by : 0, axis === 2 ? by : 0);
+  }
+
   close(): void {
     this.#closed = true;
+    this.#viewer.onDrawn = null;
     this.canvas.removeEventListener("keydown", this.#key);
     this.#viewer.cleanup();
     // A browser keeps a handful of contexts; one that is only forgotten counts until it is collected.

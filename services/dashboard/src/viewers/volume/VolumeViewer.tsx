@@ -1,5 +1,5 @@
 import { Button, SegmentedControl, Tooltip } from "@mantine/core";
-import { LocateFixed } from "lucide-react";
+import { LocateFixed, SquareDashed } from "lucide-react";
 import { useEffect, useEffectEvent, useRef, useState } from "react";
 import { sayFailure } from "@/app/say";
 import { anatomical, significant } from "@/format/format";
@@ -7,8 +7,11 @@ import { download } from "../download";
 import { type LabelNames, labelNames } from "../labels";
 import type { SurfaceFile } from "../surface/SurfaceViewer";
 import { readSurface } from "../surface/readSurface";
+import { Tool } from "../Tool";
 import { ViewerFrame, type ViewerStatus } from "../ViewerFrame";
 import frame from "../viewers.module.css";
+import { around, type Box } from "./box";
+import { BoxLayer } from "./BoxLayer";
 import { DisplayMenu } from "./DisplayMenu";
 import { type Display, type Place, VolumeCanvas, type VolumeLayout } from "./VolumeCanvas";
 
@@ -32,7 +35,13 @@ interface VolumeViewerProps {
   reference?: VolumeFile | null;
   /** Someone wants a seed where the crosshair is, RAS mm. */
   onSeed?: ((mm: [number, number, number]) => void) | undefined;
+  /** A box to show and to draw over the slices. */
+  box?: Box | null;
+  onBox?: ((box: Box) => void) | undefined;
 }
+
+/** How long the sides of a box are before somebody draws it, in mm, where the volume is not smaller. */
+const FIRST_BOX = 40;
 
 /** Its clusters are small and many: they are drawn from the voxels. */
 const BLEEDING = 4;
@@ -58,9 +67,13 @@ export function VolumeViewer({
   focus,
   reference = null,
   onSeed,
+  box = null,
+  onBox,
 }: VolumeViewerProps) {
   const parent = useRef<HTMLDivElement>(null);
   const viewer = useRef<VolumeCanvas | null>(null);
+  const [open, setOpen] = useState<VolumeCanvas | null>(null);
+  const [draws, setDraws] = useState(false);
   const [status, setStatus] = useState<ViewerStatus>({
     is: "loading",
     fraction: 0,
@@ -112,6 +125,7 @@ export function VolumeViewer({
       setRange(whole);
       setDisplay((before) => ({ ...before, window }));
       viewer.current = canvas;
+      setOpen(canvas);
       setStatus({ is: "ready" });
     };
     load().catch((error: unknown) => {
@@ -120,6 +134,7 @@ export function VolumeViewer({
     return () => {
       controller.abort();
       viewer.current = null;
+      setOpen(null);
       canvas.close();
     };
   }, [image.url, labels?.url, attempt]);
@@ -177,6 +192,14 @@ export function VolumeViewer({
     );
   }, [ready, display.layout]);
 
+  const drawBox = () => {
+    setDraws(!draws);
+    if (draws) return;
+    if (solid) change({ layout: "slices" });
+    const extent = (viewer.current?.views() ?? []).flatMap(({ size }) => size);
+    if (!box && place) onBox?.(around(place.mm, Math.min(FIRST_BOX, ...extent.map((length) => length / 4))));
+  };
+
   return (
     <ViewerFrame
       label="Volume"
@@ -196,6 +219,7 @@ export function VolumeViewer({
               </Button>
             </Tooltip>
           )}
+          {onBox && <Tool label="Draw a box" icon={SquareDashed} on={draws && !solid} onClick={drawBox} />}
           <SegmentedControl
             size="xs"
             aria-label="View"
@@ -216,6 +240,15 @@ export function VolumeViewer({
       }
     >
       <div ref={parent} className={frame.stage} />
+      {open && box && place && !solid && (
+        <BoxLayer
+          canvas={open}
+          box={box}
+          at={place.mm}
+          draws={draws && onBox !== undefined}
+          onChange={(next) => onBox?.(next)}
+        />
+      )}
       {place && ready && (
         <div className={frame.readout} data-testid="place">
           {anatomical(place.mm)}

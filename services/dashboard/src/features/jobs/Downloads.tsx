@@ -1,9 +1,9 @@
 import { Paper, Text, Title } from "@mantine/core";
 import { Download } from "lucide-react";
 import type { Artifact } from "@/api/types";
-import { SaveLink } from "@/features/jobs/SaveLink";
 import { bytes } from "@/format/format";
-import classes from "./segmentation.module.css";
+import classes from "./jobs.module.css";
+import { SaveLink } from "./SaveLink";
 
 const TELLS: Record<string, string> = {
   "labels.nii.gz": "Labels on the grid of the volume after contrast",
@@ -19,6 +19,7 @@ const TELLS: Record<string, string> = {
   "residuals.bin.gz": "What the encoding changed, vertex by vertex",
 };
 
+/** The files that a job has made. */
 export function Downloads({ artifacts }: { artifacts: readonly Artifact[] }) {
   if (artifacts.length === 0) return null;
   return (

@@ -1,0 +1,152 @@
+import {
+  AmbientLight,
+  DirectionalLight,
+  HemisphereLight,
+  PerspectiveCamera,
+  Quaternion,
+  Scene,
+  Sphere,
+  Spherical,
+  Vector3,
+  WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+
+interface StageOptions {
+  /** What is above in the picture; the y axis where nothing is said. */
+  up?: [number, number, number];
+  /** Where the light comes from, as seen from the camera. */
+  light?: [number, number, number];
+  /** Looks at everything again: the key Home. */
+  onHome: () => void;
+  /** The graphics driver took the picture away. */
+  onLost: () => void;
+}
+
+const TURNS: Readonly<Record<string, readonly [number, number]>> = {
+  ArrowLeft: [-0.12, 0],
+  ArrowRight: [0.12, 0],
+  ArrowUp: [0, -0.12],
+  ArrowDown: [0, 0.12],
+};
+const ZOOMS: Readonly<Record<string, number>> = { "+": 0.9, "=": 0.9, "-": 1.11 };
+
+/**
+ * A lit scene on a canvas that fills its parent, looked at by a camera that drags, wheels and keys turn: arrows turn
+ * around, plus and minus come nearer and go away, Home looks at everything. Draws only when something has changed.
+ */
+export class Stage {
+  readonly canvas = document.createElement("canvas");
+  readonly renderer: WebGLRenderer;
+  readonly scene = new Scene();
+  readonly camera = new PerspectiveCamera(32, 1, 0.01, 4000);
+  readonly controls: OrbitControls;
+  /** Of the picture, in CSS pixels. */
+  width = 1;
+  height = 1;
+  /** Draws the scene; others may draw it in parts. */
+  render = (): void => this.renderer.render(this.scene, this.camera);
+  readonly #options: StageOptions;
+  readonly #resize: ResizeObserver;
+  #drawing = 0;
+  #closed = false;
+
+  constructor(parent: HTMLElement, options: StageOptions) {
+    this.#options = options;
+    this.canvas.tabIndex = 0;
+    this.canvas.setAttribute("role", "img");
+    parent.append(this.canvas);
+    this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: true });
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer.setClearColor("#000000");
+    this.camera.up.set(...(options.up ?? [0, 1, 0]));
+    const light = new DirectionalLight("#ffffff", 2);
+    light.position.set(...(options.light ?? [0.4, 0.7, 1]));
+    this.camera.add(light);
+    this.scene.add(this.camera, new HemisphereLight("#dfeeee", "#3a4a50", 1.1), new AmbientLight("#ffffff", 0.25));
+    this.controls = new OrbitControls(this.camera, this.canvas);
+    this.controls.addEventListener("change", this.draw);
+    this.canvas.addEventListener("keydown", this.#key);
+    this.canvas.addEventListener("webglcontextlost", (event) => {
+      event.preventDefault();
+      if (!this.#closed) options.onLost();
+    });
+    this.#resize = new ResizeObserver(() => this.#fit(parent));
+    this.#resize.observe(parent);
+    this.#fit(parent);
+  }
+
+  /** What tests and those who do not see it know it by. */
+  tell(label: string, testId: string): void {
+    this.canvas.setAttribute("aria-label", `${label} Arrow keys turn it, plus and minus zoom, Home shows all of it.`);
+    this.canvas.dataset.testid = testId;
+  }
+
+  /** Look at a sphere from a direction, so that it fills the view; `share` of the width is there for it. */
+  lookAt({ center, radius }: Sphere, towards: Vector3, share = 1): void {
+    const narrow = Math.min(1, (share * this.width) / this.height);
+    const distance = (radius * 1.1) / Math.sin((this.camera.fov * Math.PI) / 360) / narrow;
+    this.controls.target.copy(center);
+    this.camera.position.copy(center).addScaledVector(towards.clone().normalize(), distance);
+    this.camera.near = distance / 100;
+    this.camera.far = distance * 20;
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+    this.draw();
+  }
+
+  draw = (): void => {
+    if (this.#drawing || this.#closed) return;
+    this.#drawing = requestAnimationFrame(() => {
+      this.#drawing = 0;
+      this.render();
+    });
+  };
+
+  /** Whoever has put something into the scene disposes of it. */
+  close(): void {
+    this.#closed = true;
+    cancelAnimationFrame(this.#drawing);
+    this.#resize.disconnect();
+    this.controls.dispose();
+    this.canvas.removeEventListener("keydown", this.#key);
+    this.renderer.dispose();
+    // A browser keeps a handful of contexts; one that is only forgotten counts until it is collected.
+    this.renderer.forceContextLoss();
+    this.canvas.remove();
+  }
+
+  #fit(parent: HTMLElement): void {
+    const { clientWidth: width, clientHeight: height } = parent;
+    if (width === 0 || height === 0) return;
+    [this.width, this.height] = [width, height];
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.draw();
+  }
+
+  #key = (event: KeyboardEvent) => {
+    const turn = TURNS[event.key];
+    const zoom = ZOOMS[event.key];
+    if (event.ctrlKey || event.metaKey || event.altKey || !(turn || zoom || event.key === "Home")) return;
+    event.preventDefault();
+    if (event.key === "Home") {
+      this.#options.onHome();
+      return;
+    }
+    // As the controls do: in a frame whose y axis is up.
+    const upright = new Quaternion().setFromUnitVectors(this.camera.up, new Vector3(0, 1, 0));
+    const { target } = this.controls;
+    const offset = new Vector3().subVectors(this.camera.position, target).applyQuaternion(upright);
+    const at = new Spherical().setFromVector3(offset);
+    at.radius *= zoom ?? 1;
+    at.theta += turn?.[0] ?? 0;
+    at.phi = Math.min(Math.max(at.phi + (turn?.[1] ?? 0), 0.05), Math.PI - 0.05);
+    offset.setFromSpherical(at).applyQuaternion(upright.invert());
+    this.camera.position.copy(target).add(offset);
+    this.controls.dispatchEvent({ type: "start" });
+    this.controls.update();
+    this.draw();
+  };
+}
