@@ -1,11 +1,36 @@
+import { readdirSync, readFileSync, statSync, writeFileSync } from "node:fs";
+import { join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
+import { gzipSync } from "node:zlib";
 import react from "@vitejs/plugin-react";
+import type { Plugin } from "vite";
 import { defineConfig } from "vitest/config";
 
 const path = (relative: string) => fileURLToPath(new URL(relative, import.meta.url));
 
+/** Lays a compressed copy beside each file that gets smaller by it: the gateway serves those, and compresses nothing. */
+function compressed(): Plugin {
+  let folder = "";
+  return {
+    name: "compressed",
+    apply: "build",
+    configResolved(config) {
+      folder = resolve(config.root, config.build.outDir);
+    },
+    closeBundle() {
+      for (const name of readdirSync(folder, { recursive: true, encoding: "utf8" })) {
+        const file = join(folder, name);
+        if (!/\.(js|css|html|svg|json)$/.test(name) || !statSync(file).isFile()) continue;
+        const content = readFileSync(file);
+        const smaller = gzipSync(content, { level: 9 });
+        if (smaller.length < 0.9 * content.length) writeFileSync(`${file}.gz`, smaller);
+      }
+    },
+  };
+}
+
 export default defineConfig({
-  plugins: [react()],
+  plugins: [react(), compressed()],
   resolve: { alias: { "@": path("./src") } },
   build: {
     // The gateway serves this folder; its image build chooses another with --outDir.

@@ -13,6 +13,7 @@ import { ApiError, Unreachable } from "@/api/problem";
 import { infoQuery, keys } from "@/api/queries";
 import { router } from "@/app/router";
 import { theme } from "@/app/theme";
+import { additionKeep } from "@/features/shapes/additionKeep";
 import { uploads } from "@/features/uploads/uploads";
 
 const client = new QueryClient({
@@ -39,6 +40,8 @@ connection.subscribe(() => {
 
 uploads.onDone = () => void client.invalidateQueries({ queryKey: keys.assetLists });
 void uploads.restore();
+// Shapes that were being added when the page was left are added further, whatever page comes first.
+if (additionKeep.all().length > 0) void import("@/features/shapes/adder");
 
 createRoot(document.getElementById("root") as HTMLElement).render(
   <StrictMode>

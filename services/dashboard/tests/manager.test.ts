@@ -2,7 +2,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { connection } from "@/api/connection";
 import { ApiError, Unreachable } from "@/api/problem";
 import type { Keep, UploadRecord } from "@/features/uploads/keep";
-import { judge, UploadManager } from "@/features/uploads/manager";
+import { type Exclusively, judge, patiently, UploadManager } from "@/features/uploads/manager";
 import type { Transfer } from "@/features/uploads/transfer";
 
 /** Unfinished uploads in memory: what outlives a page. */
@@ -33,6 +33,13 @@ function setUp(keep = new MemoryKeep()) {
   const attempts: Attempt[] = [];
   const terminated: string[] = [];
   const locks = new Set<string>();
+  const exclusively: Exclusively = async (id, work) => {
+    if (locks.has(id)) return false;
+    locks.add(id);
+    await work();
+    locks.delete(id);
+    return true;
+  };
   const manager = new UploadManager({
     keep,
     now: Date.now,
@@ -42,13 +49,8 @@ function setUp(keep = new MemoryKeep()) {
         transfer.signal.addEventListener("abort", () => reject(transfer.signal.reason));
       }),
     terminate: async (url) => void terminated.push(url),
-    exclusively: async (id, work) => {
-      if (locks.has(id)) return false;
-      locks.add(id);
-      await work();
-      locks.delete(id);
-      return true;
-    },
+    exclusively,
+    takeUp: patiently(exclusively),
   });
   const states = () => manager.items.get().map((item) => item.state);
   return { manager, keep, attempts, terminated, locks, states };
@@ -231,7 +233,7 @@ describe("UploadManager", () => {
     await settle();
     const other = setUp(before.keep);
     for (const record of before.keep.records()) other.locks.add(record.id);
-    await other.manager.restore();
+    void other.manager.restore();
     await vi.advanceTimersByTimeAsync(5_000);
     expect(other.manager.items.get()).toEqual([]);
   });
@@ -242,7 +244,7 @@ describe("UploadManager", () => {
     await settle();
     const other = setUp(before.keep);
     for (const record of before.keep.records()) other.locks.add(record.id);
-    await other.manager.restore();
+    void other.manager.restore();
     before.attempts[0]?.resolve("asset-1");
     await settle();
     other.locks.clear();

@@ -1,7 +1,8 @@
-import { describe, expect, it } from "vitest";
+import { describe, expect, it, vi } from "vitest";
 import { requestOf } from "@/api/search";
 import type { Asset, Batch, BatchCreate } from "@/api/types";
-import { Adding } from "@/features/shapes/adding";
+import { createStore } from "@/app/store";
+import { type Addition, Adding } from "@/features/shapes/adding";
 import { CAPTION, GAP, layOut, visibleRows } from "@/features/shapes/grid";
 import { readLabel, readLabels, writeLabels } from "@/features/shapes/labels";
 import { readAddress, readParts, searchOf, writeParts } from "@/features/shapes/searching";
@@ -100,24 +101,25 @@ describe("a search's address", () => {
 describe("adding shapes", () => {
   const parcel = (name: string) => ({ type: "file" as const, name, file: new File(["x"], name) });
 
-  function bench(limit: number, refuse = false) {
+  /** A visit of the page; what is kept and which uploads have arrived may be those of an earlier one. */
+  function bench(limit: number, { refuse = false, kept = new Map<string, Addition>(), waits = false } = {}) {
     const requests: { request: BatchCreate; key: string }[] = [];
     const removed: string[] = [];
     const kinds: Record<string, Asset["kind"]> = { "scan.nii": "volume" };
+    const items = createStore<readonly UploadItem[]>([]);
+    const item = (name: string) =>
+      ({
+        id: name,
+        name,
+        assetId: name === "broken.ply" ? null : `asset of ${name}`,
+        error: name === "broken.ply" ? { message: "It is no mesh.", code: "", hint: "" } : null,
+      }) as UploadItem;
     const adding = new Adding({
       uploads: {
+        items,
         add: async (parcels) => parcels.map(({ name }) => name),
         remove: async (id) => void removed.push(id),
-        settled: async (ids) =>
-          ids.map(
-            (name) =>
-              ({
-                id: name,
-                name,
-                assetId: name === "broken.ply" ? null : `asset of ${name}`,
-                error: name === "broken.ply" ? { message: "It is no mesh.", code: "", hint: "" } : null,
-              }) as UploadItem,
-          ),
+        settled: (ids) => (waits ? new Promise(() => undefined) : Promise.resolve(ids.map(item))),
       },
       asset: async (id) => ({ id, kind: kinds[id.slice(9)] ?? "mesh" }) as Asset,
       createBatch: async (request, key) => {
@@ -126,8 +128,18 @@ describe("adding shapes", () => {
         return { id: `batch ${requests.length}` } as Batch;
       },
       batchLimit: async () => limit,
+      keep: {
+        all: () => [...kept.values()],
+        save: (addition) => void kept.set(addition.id, structuredClone(addition)),
+        drop: (id) => void kept.delete(id),
+      },
+      exclusively: async (_id, work) => {
+        await work();
+        return true;
+      },
+      now: () => 1e12,
     });
-    return { adding, requests, removed };
+    return { adding, requests, removed, kept, arrive: (...names: string[]) => items.set(names.map(item)) };
   }
 
   it("indexes the meshes, and tells what is none", async () => {
@@ -170,8 +182,53 @@ describe("adding shapes", () => {
     await nothing.adding.add([parcel("broken.ply")], "bones", {});
     expect(nothing.requests).toEqual([]);
     expect(nothing.adding.additions.get()[0]).toMatchObject({ total: 0, batches: [], error: null });
-    const refused = bench(10, true);
+    const refused = bench(10, { refuse: true });
     await refused.adding.add([parcel("a.ply")], "bones", {});
     expect(refused.adding.additions.get()[0]?.error).toBe("There is no room.");
+  });
+
+  it("goes on after a reload, with what had arrived before", async () => {
+    const before = bench(10, { waits: true });
+    void before.adding.add([parcel("a.ply"), parcel("b.ply")], "bones", { side: "left" });
+    await vi.waitFor(() => expect(before.adding.additions.get()[0]?.uploads).toHaveLength(2));
+    before.arrive("a.ply");
+    const after = bench(10, { kept: before.kept });
+    after.adding.restore();
+    await vi.waitFor(() => expect(after.adding.additions.get()[0]?.handedOver).toBe(true));
+    expect(after.requests[0]?.request.items.map(({ inputs }) => inputs.mesh)).toEqual([
+      "asset of a.ply",
+      "asset of b.ply",
+    ]);
+    expect(after.requests[0]?.request.params).toEqual({ collection: "bones", labels: { side: "left" } });
+    // Once more: the server has it, and it is only told.
+    const again = bench(10, { kept: after.kept });
+    again.adding.restore();
+    expect(again.adding.additions.get()).toMatchObject([{ total: 2, batches: ["batch 1"], handedOver: true }]);
+    expect(again.requests).toEqual([]);
+    again.adding.forget(again.adding.additions.get()[0]?.id ?? "");
+    expect(again.kept.size).toBe(0);
+  });
+
+  it("makes the same batches again where the page was left among them", async () => {
+    const before = bench(1);
+    await before.adding.add(["a.ply", "b.ply"].map(parcel), "bones", {});
+    const [addition] = before.kept.values();
+    if (addition) before.kept.set(addition.id, { ...addition, batches: ["batch 1"], handedOver: false });
+    const after = bench(1, { kept: before.kept });
+    after.adding.restore();
+    await vi.waitFor(() => expect(after.adding.additions.get()[0]?.handedOver).toBe(true));
+    expect(after.requests).toEqual(before.requests);
+  });
+
+  it("does not tell for ever of what nobody has closed", async () => {
+    const { adding, kept } = bench(10);
+    adding.follow({ id: "batch", total: 3 }, "bones");
+    const [addition] = kept.values();
+    expect(addition).toMatchObject({ again: true, batches: ["batch"], total: 3 });
+    if (addition) kept.set(addition.id, { ...addition, createdAt: 1e12 - 25 * 3_600_000 });
+    const later = bench(10, { kept });
+    later.adding.restore();
+    expect(later.adding.additions.get()).toEqual([]);
+    expect(kept.size).toBe(0);
   });
 });

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -229,3 +230,22 @@ def test_the_dashboard(built: Path, local: httpx.Client) -> None:
     assert local.get("/assets/gone.js", headers={"Accept": "text/html"}).status_code == 404
     for path in ("/../secret", "/%2e%2e/%2e%2e/etc/passwd", "/assets/%2e%2e/%2e%2e/x"):
         assert local.get(path).status_code == 404
+
+
+def test_the_dashboard_goes_compressed_to_whoever_takes_it(built: Path, local: httpx.Client) -> None:
+    path = built / "assets" / "index-Bx2k9fQz.js"
+    path.with_name(f"{path.name}.gz").write_bytes(gzip.compress(path.read_bytes()))
+    small = local.get("/assets/index-Bx2k9fQz.js", headers={"Accept-Encoding": "br, gzip;q=0.8"})
+    plain = local.get("/assets/index-Bx2k9fQz.js", headers={"Accept-Encoding": "br, gzip;q=0"})
+    assert (small.headers["content-encoding"], small.text) == ("gzip", "export {}")
+    assert "content-encoding" not in plain.headers
+    assert plain.text == "export {}"
+    assert small.headers["content-type"] == plain.headers["content-type"]
+    assert {response.headers["vary"] for response in (small, plain)} == {"Accept-Encoding"}
+    assert small.headers["etag"] != plain.headers["etag"]
+    for before in (small, plain):
+        headers = {
+            "If-None-Match": before.headers["etag"],
+            "Accept-Encoding": before.request.headers["accept-encoding"],
+        }
+        assert local.get("/assets/index-Bx2k9fQz.js", headers=headers).status_code == 304

@@ -46,8 +46,24 @@ def _answer(request: Request) -> Response:
 
 def _file_response(request: Request, file: StaticFile) -> Response:
     headers = {**_PAGE_HEADERS, "ETag": file.etag}
+    path = file.path
+    if file.compressed is not None:
+        headers["Vary"] = "Accept-Encoding"
+        if _takes_gzip(request.headers.get("accept-encoding", "")):
+            path = file.compressed
+            headers |= {"Content-Encoding": "gzip", "ETag": f'{file.etag[:-1]}-gzip"'}
     if file.immutable:
         headers["Cache-Control"] = "public, max-age=31536000, immutable"
-    if etag_matches(request.headers.get("if-none-match", ""), file.etag, weak=True):
+    if etag_matches(request.headers.get("if-none-match", ""), headers["ETag"], weak=True):
+        headers.pop("Content-Encoding", None)
         return Response(status_code=304, headers=headers)
-    return FileResponse(file.path, media_type=file.media_type, headers=headers)
+    return FileResponse(path, media_type=file.media_type, headers=headers)
+
+
+def _takes_gzip(accepted: str) -> bool:
+    """Whether a client's Accept-Encoding takes gzip (RFC 9110, 12.5.3)."""
+    for part in accepted.split(","):
+        coding, _, weight = part.partition(";")
+        if coding.strip().lower() in {"gzip", "*"}:
+            return weight.replace(" ", "") not in {"q=0", "q=0.0", "q=0.00", "q=0.000"}
+    return False

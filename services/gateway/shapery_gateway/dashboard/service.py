@@ -56,6 +56,8 @@ class StaticFile:
     etag: str
     immutable: bool
     """Whether its name holds a hash of its content, so that it never changes."""
+    compressed: Path | None
+    """The same, compressed with gzip when it was built."""
 
 
 def find(root: Path, path: str) -> StaticFile | None:
@@ -70,11 +72,13 @@ def find(root: Path, path: str) -> StaticFile | None:
         return None
     if not real.is_file() or not real.is_relative_to(root.resolve()):
         return None
+    compressed = real.with_name(f"{real.name}.gz")
     return StaticFile(
         path=real,
         media_type=_TYPES.get(real.suffix) or mimetypes.guess_type(real.name)[0] or "application/octet-stream",
         etag=_etag(real, real.stat().st_mtime_ns, real.stat().st_size),
         immutable=parts[0] == "assets" and _HASHED.search(real.name) is not None,
+        compressed=compressed if compressed.is_file() else None,
     )
 
 

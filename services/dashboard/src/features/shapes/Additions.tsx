@@ -37,9 +37,9 @@ function Progressing({ addition }: { addition: Addition }) {
   const indexed = batches.reduce((sum, batch) => sum + count(batch, "succeeded"), 0);
   const over = batches.reduce((sum, batch) => sum + ended(batch), 0);
   const failed = batches.reduce((sum, batch) => sum + troubled(batch), 0);
-  const sent = items.filter(({ state }) => state === "done" || state === "failed").length;
+  const sent = Object.keys(addition.arrived).length + items.filter(({ state }) => state === "failed").length;
   const indexing = addition.batches.length > 0;
-  const finished = addition.error !== null || (over >= addition.total && (indexing || addition.total === 0));
+  const finished = addition.error !== null || (addition.handedOver && over >= addition.total);
 
   // What has been indexed appears while the rest is under way; a wall of many pages waits for the end.
   useEffect(() => {
@@ -56,9 +56,11 @@ function Progressing({ addition }: { addition: Addition }) {
   const says = addition.error
     ? `Not added: ${addition.error}`
     : finished
-      ? `${integer(indexed)} of ${integer(addition.total + addition.refused.length)} added to ${addition.collection}.`
+      ? `${integer(indexed)} of ${integer(addition.total + addition.refused.length)} ${
+          addition.again ? "indexed again in" : "added to"
+        } ${addition.collection}.`
       : indexing
-        ? `Indexing for ${addition.collection}: ${integer(over)} of ${integer(addition.total)}`
+        ? `Indexing ${addition.again ? "again in" : "for"} ${addition.collection}: ${integer(over)} of ${integer(addition.total)}`
         : `Uploading for ${addition.collection}: ${integer(sent)} of ${integer(addition.total)}`;
   const total = addition.total || 1;
   // Uploading is the smaller part of the way.

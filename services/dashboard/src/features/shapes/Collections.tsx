@@ -2,12 +2,12 @@ import { ActionIcon, Button, Checkbox, Group, Menu, Modal, Stack, Text, TextInpu
 import { Link } from "@tanstack/react-router";
 import { Ellipsis, Pencil, Plus, RotateCw, Trash2 } from "lucide-react";
 import { type SubmitEvent, useState } from "react";
-import { useCollectionAction, useReindexCollection } from "@/api/shapes";
+import { useCollectionAction } from "@/api/shapes";
 import type { Collection } from "@/api/types";
 import { Failure } from "@/app/Notice";
-import { say, sayFailure } from "@/app/say";
 import { integer } from "@/format/format";
 import classes from "./shapes.module.css";
+import { useReindex } from "./useReindex";
 
 type Asked = { is: "make" } | { is: "rename" | "remove"; of: Collection };
 
@@ -88,7 +88,7 @@ export function Collections({ collections, chosen, onChosen }: CollectionsProps)
 }
 
 function CollectionMenu({ collection, onAsk }: { collection: Collection; onAsk: (is: "rename" | "remove") => void }) {
-  const reindex = useReindexCollection();
+  const { reindex } = useReindex();
   return (
     <Menu position="bottom-end" shadow="md">
       <Menu.Target>
@@ -101,15 +101,7 @@ function CollectionMenu({ collection, onAsk }: { collection: Collection; onAsk: 
           Rename
         </Menu.Item>
         {collection.outdated > 0 && (
-          <Menu.Item
-            leftSection={<RotateCw size={15} />}
-            onClick={() =>
-              reindex.mutate(collection.id, {
-                onSuccess: (batch) => say("Indexing again", `${integer(batch.total)} shapes, as a batch.`),
-                onError: (error) => sayFailure("Not indexed again", error),
-              })
-            }
-          >
+          <Menu.Item leftSection={<RotateCw size={15} />} onClick={() => reindex([collection])}>
             Index {integer(collection.outdated)} outdated again
           </Menu.Item>
         )}

@@ -2,7 +2,7 @@ import { Button, Group, MultiSelect, Select, Stack, Switch, Text, TextInput } fr
 import { useDebouncedCallback } from "@mantine/hooks";
 import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
 import { getRouteApi, useNavigate } from "@tanstack/react-router";
-import { ListChecks, Plus, ScanSearch, Search, Shapes, X } from "lucide-react";
+import { ListChecks, Plus, RotateCw, ScanSearch, Search, Shapes, X } from "lucide-react";
 import { type DragEvent, useCallback, useState } from "react";
 import { collectionsQuery, labelsQuery, shapesQuery, useChangeShapes } from "@/api/shapes";
 import type { Collection } from "@/api/types";
@@ -17,6 +17,7 @@ import { Additions } from "./Additions";
 import { AddShapes } from "./AddShapes";
 import { Collections } from "./Collections";
 import classes from "./shapes.module.css";
+import { useReindex } from "./useReindex";
 import { Wall } from "./Wall";
 
 const route = getRouteApi("/shapes");
@@ -32,7 +33,9 @@ export function ShapesPage() {
   const [over, setOver] = useState(false);
   const items = shapes.data?.pages.flatMap((page) => page.items) ?? [];
   const all = collections.data ?? [];
-  const outdated = all.reduce((sum, one) => sum + one.outdated, 0);
+  const here = filter.collection === undefined ? all : all.filter(({ name }) => name === filter.collection);
+  const outdated = here.reduce((sum, one) => sum + one.outdated, 0);
+  const again = useReindex();
   const filtered = Boolean(filter.name ?? filter.labels?.length ?? filter.outdated);
   const { hasNextPage, isFetchingNextPage, fetchNextPage } = shapes;
   const more = useCallback(() => {
@@ -127,6 +130,16 @@ export function ShapesPage() {
                 checked={filter.outdated ?? false}
                 onChange={(event) => narrow({ outdated: event.currentTarget.checked })}
               />
+            )}
+            {filter.outdated && outdated > 0 && (
+              <Button
+                variant="light"
+                leftSection={<RotateCw size={15} aria-hidden="true" />}
+                loading={again.isPending}
+                onClick={() => again.reindex(here)}
+              >
+                Index {outdated === 1 ? "it" : "them"} again
+              </Button>
             )}
             {items.length > 0 && (
               <Button

@@ -1,6 +1,7 @@
 import { api, body } from "@/api/client";
-import { uploads } from "@/features/uploads/uploads";
+import { takeUp, uploads } from "@/features/uploads/uploads";
 import { Adding } from "./adding";
+import { additionKeep } from "./additionKeep";
 
 /** The additions of this page. */
 export const adding = new Adding({
@@ -9,4 +10,9 @@ export const adding = new Adding({
   createBatch: (request, key) =>
     body(api.POST("/v1/batches", { body: request, params: { header: { "Idempotency-Key": key } } })),
   batchLimit: async () => (await body(api.GET("/v1/info"))).max_batch_items,
+  keep: additionKeep,
+  exclusively: takeUp,
+  now: Date.now,
 });
+
+void uploads.restored.then(() => adding.restore());

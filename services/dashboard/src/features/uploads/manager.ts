@@ -34,12 +34,27 @@ export interface UploadItem {
   error: { message: string; code: string; hint: string } | null;
 }
 
+/** Runs `work` while no other tab does the same; false where another tab has it. */
+export type Exclusively = (id: string, work: () => Promise<void>) => Promise<boolean>;
+
+/** The same with patience: a page that was left may hold its lock for a moment longer, another tab holds it for good. */
+export function patiently(exclusively: Exclusively): Exclusively {
+  return async (id, work) => {
+    for (let attempt = 0; attempt < 4; attempt += 1) {
+      if (attempt > 0) await new Promise((resolve) => setTimeout(resolve, 500));
+      if (await exclusively(id, work)) return true;
+    }
+    return false;
+  };
+}
+
 interface Dependencies {
   keep: Keep;
   transfer: (transfer: Transfer) => Promise<string>;
   terminate: (url: string) => Promise<void>;
-  /** Run `work` while no other tab does the same; false where another tab has it. */
-  exclusively: (id: string, work: () => Promise<void>) => Promise<boolean>;
+  exclusively: Exclusively;
+  /** For what an earlier page has left. */
+  takeUp: Exclusively;
   now: () => number;
 }
 
@@ -61,6 +76,9 @@ export class UploadManager {
   readonly #inner = new Map<string, Running>();
   readonly #dependencies: Dependencies;
   #counter = 0;
+  #restored: () => void = () => undefined;
+  /** When all that an earlier visit has left is here. */
+  readonly restored = new Promise<void>((resolve) => (this.#restored = resolve));
 
   constructor(dependencies: Dependencies) {
     this.#dependencies = dependencies;
@@ -87,26 +105,26 @@ export class UploadManager {
     return ids.flatMap((id) => over.get(id) ?? []);
   }
 
-  /** Take up what an earlier visit has left unfinished. */
+  /** Take up what an earlier visit has left unfinished; until all of it is here, or another tab has it. */
   async restore(): Promise<void> {
-    for (const record of this.#dependencies.keep.records()) {
-      if (this.#inner.has(record.id)) continue;
-      const content = await this.#dependencies.keep.content(record.id);
-      const takeUp = () =>
-        this.#dependencies.exclusively(record.id, async () => {
+    await Promise.all(this.#dependencies.keep.records().map((record) => this.#takeUp(record)));
+    this.#restored();
+  }
+
+  async #takeUp(record: UploadRecord): Promise<void> {
+    if (this.#inner.has(record.id)) return;
+    const content = await this.#dependencies.keep.content(record.id);
+    await new Promise<void>((here) => {
+      void this.#dependencies
+        .takeUp(record.id, async () => {
           // Another tab may have brought it to its end in the meantime.
-          if (!this.#dependencies.keep.records().some(({ id }) => id === record.id)) return;
-          this.#insert(record, content ? "queued" : "needs-file", 0);
-          return this.#run(record.id);
-        });
-      // The page that was left may hold its lock for a moment longer; another tab holds it for good.
-      void takeUp().then(async (taken) => {
-        for (let attempt = 0; !taken && attempt < 3; attempt += 1) {
-          await new Promise((resolve) => setTimeout(resolve, 500));
-          taken = await takeUp();
-        }
-      });
-    }
+          const open = this.#dependencies.keep.records().some(({ id }) => id === record.id);
+          if (open) this.#insert(record, content ? "queued" : "needs-file", 0);
+          here();
+          if (open) await this.#run(record.id);
+        })
+        .then(() => here());
+    });
   }
 
   pause(id: string): void {

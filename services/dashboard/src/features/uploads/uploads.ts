@@ -1,5 +1,5 @@
 import { browserKeep } from "./keep";
-import { UploadManager } from "./manager";
+import { patiently, UploadManager } from "./manager";
 
 /** Runs `work` under a lock that all tabs of this origin share, where the browser has one. */
 async function exclusively(id: string, work: () => Promise<void>): Promise<boolean> {
@@ -8,12 +8,14 @@ async function exclusively(id: string, work: () => Promise<void>): Promise<boole
     await work();
     return true;
   }
-  return navigator.locks.request(`shapery-upload-${id}`, { ifAvailable: true }, async (lock) => {
+  return navigator.locks.request(`shapery-${id}`, { ifAvailable: true }, async (lock) => {
     if (!lock) return false;
     await work();
     return true;
   });
 }
+
+export const takeUp = patiently(exclusively);
 
 /** The uploads of this page. The tus client is fetched with the first of them. */
 export const uploads = new UploadManager({
@@ -21,5 +23,6 @@ export const uploads = new UploadManager({
   transfer: async (transfer) => (await import("./transfer")).transfer(transfer),
   terminate: async (url) => (await import("./transfer")).terminate(url),
   exclusively,
+  takeUp,
   now: Date.now,
 });

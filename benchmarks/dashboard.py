@@ -1,0 +1,442 @@
+"""``python -m benchmarks.dashboard``: what the dashboard costs whoever looks at it.
+
+Starts the platform as ``shapery up`` does, in a folder of its own, gives it a segmentation, a motion of 10,000 vertices
+and a shape, and looks at them in a headless Chromium that draws by the processor:
+
+- first load: bytes over the network page by page, and the time until a page can be used, with an empty cache;
+- playback: frames per second of the motion, and the time that decoding one frame takes in the player's thread;
+- lists: 10,000 shapes are scrolled through, and 10,000 jobs are paged;
+- memory: the heap after each of 100 views of jobs and shapes with their viewers, garbage collected.
+
+Writes ``benchmarks/results/dashboard.json`` and ``.md``. The dashboard has to be built (``make setup``).
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import re
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import httpx
+import numpy as np
+import psutil
+
+from benchmarks.search_over_http import RESULTS, platform
+from shapery_client import Client
+from shapery_contracts.states import JobState
+from shapery_gateway.dashboard.service import STATIC
+from shapery_geometry.mesh import icosphere
+from shapery_geometry.mesh_io import write_mesh
+from shapery_geometry.sequence import write_sequence_npz
+
+BROWSER = [
+    "--headless=new",
+    "--no-sandbox",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+    "--js-flags=--expose-gc",
+]
+SIZE = {"width": 1280, "height": 720}
+PAGES = {
+    "Start": ("/", "Recent work"),
+    "Upload": ("/upload", "Drop volumes here"),
+    "Jobs": ("/jobs", "Progress and outcome"),
+    "Batches": ("/batches", "No batches yet"),
+    "Shapes": ("/shapes", "All shapes"),
+    "Motion": ("/motion", "Quality"),
+    "Settings": ("/settings", "Make a key"),
+}
+"""Pages without a viewer: their paths, and a text that is there once they can be used."""
+FPS = 60
+
+
+@contextmanager
+def chromium() -> Iterator[Any]:
+    """Start the browser that ``SHAPERY_TEST_CHROMIUM`` names, or the system's."""
+    from playwright.sync_api import sync_playwright
+
+    path = os.environ.get("SHAPERY_TEST_CHROMIUM") or shutil.which("chromium") or shutil.which("google-chrome")
+    with sync_playwright() as playwright:
+        running = playwright.chromium.launch(executable_path=path, args=BROWSER)
+        try:
+            yield running
+        finally:
+            running.close()
+
+
+def ball(frames: int) -> tuple[Any, Any]:
+    """Return a ball of 10,000 vertices that is dented in another way in each frame: (frames, n, 3) and (m, 3)."""
+    polar, around = np.meshgrid(np.linspace(0.02, np.pi - 0.02, 100), np.arange(100) * 2 * np.pi / 100)
+    polar, around = polar.T.reshape(-1), around.T.reshape(-1)
+    rest = np.stack((np.sin(polar) * np.cos(around), np.cos(polar), np.sin(polar) * np.sin(around)), axis=1)
+    t = np.arange(frames)[:, None] / frames
+    size = 1 + 0.12 * np.sin(5 * polar + 2 * np.pi * t) * np.cos(3 * around - 4 * np.pi * t)
+    at = (np.arange(99)[:, None] * 100 + np.arange(100)).reshape(-1)
+    beside = (np.arange(99)[:, None] * 100 + (np.arange(100) + 1) % 100).reshape(-1)
+    quads = (np.stack((at, beside, at + 100), axis=1), np.stack((beside, beside + 100, at + 100), axis=1))
+    return (rest * size[..., None]).astype(np.float32), np.concatenate(quads).astype(np.int32)
+
+
+def fill(client: Client, folder: Path) -> dict[str, str]:
+    """Give the platform something to show; ids by name."""
+    head = folder / "head"
+    coarse = ["--shape", "100", "120", "100", "--spacing", "1.6", "1.6", "1.6"]
+    subprocess.run(
+        [sys.executable, "-m", "shapery_segmentation.phantoms", str(head), "--seed", "7", *coarse], check=True
+    )
+    write_sequence_npz(folder / "ball.npz", *ball(120), shape=(120, 10_000))
+    write_mesh(icosphere(subdivisions=3), folder / "ball.ply")
+    post, pre = client.upload(head / "post.nii.gz"), client.upload(head / "pre.nii.gz")
+    sequence, mesh = client.upload(folder / "ball.npz"), client.upload(folder / "ball.ply")
+    jobs = {
+        "segmentation": client.submit("segmentation", {"post": post.id, "pre": pre.id}),
+        "motion": client.submit("motion-encode", {"sequence": sequence.id}, {"kg": 0.5, "preset": "fast", "fps": FPS}),
+        "index": client.submit("shape-index", {"mesh": mesh.id}),
+    }
+    ended = {name: client.wait(job.id) for name, job in jobs.items()}
+    failed = {name: job.error for name, job in ended.items() if job.state != JobState.SUCCEEDED}
+    if failed:
+        raise RuntimeError(f"not ready to be looked at: {failed}")
+    return {name: str(job.id) for name, job in ended.items()}
+
+
+def opened(browser: Any) -> Any:
+    """Open a page in a browser profile of its own."""
+    page = browser.new_context(viewport=SIZE).new_page()
+    page.set_default_timeout(120_000)
+    return page
+
+
+def first_load(browser: Any, url: str, path: str, text: str, rounds: int) -> dict[str, float]:
+    """Load a page with an empty cache: bytes over the network, and seconds until it can be used.
+
+    It can be used once its text is there and no task has kept the main thread for more than 50 ms since.
+    """
+    kilobytes, seconds, busy = [], [], []
+    for _ in range(rounds):
+        page = opened(browser)
+        session = page.context.new_cdp_session(page)
+        session.send("Network.enable")
+        session.send("Performance.enable")
+        sizes: list[float] = []
+        session.on("Network.loadingFinished", lambda event, sizes=sizes: sizes.append(event["encodedDataLength"]))
+        page.add_init_script(
+            "window.tasks = [];"
+            "new PerformanceObserver((list) => tasks.push(...list.getEntries().map((e) => e.startTime + e.duration)))"
+            ".observe({ type: 'longtask', buffered: true });"
+        )
+        page.goto(url + path, wait_until="commit")
+        page.get_by_text(text).first.wait_for()
+        there = page.evaluate("performance.now()")
+        page.wait_for_timeout(1_500)
+        seconds.append(max(there, *page.evaluate("[0, ...tasks]")) / 1000)
+        told = {one["name"]: one["value"] for one in session.send("Performance.getMetrics")["metrics"]}
+        busy.append(told["TaskDuration"])
+        kilobytes.append(sum(sizes) / 1000)
+        page.context.close()
+    return {
+        "kilobytes": round(statistics.median(kilobytes)),
+        "interactive_s": round(statistics.median(seconds), 2),
+        "main_thread_s": round(statistics.median(busy), 2),
+    }
+
+
+def viewed(browser: Any, url: str, path: str) -> dict[str, float]:
+    """Load a page with a viewer with an empty cache: bytes of scripts and styles, and of everything."""
+    page = opened(browser)
+    session = page.context.new_cdp_session(page)
+    session.send("Network.enable")
+    kinds: dict[str, str] = {}
+    sizes: dict[str, float] = {}
+    session.on("Network.responseReceived", lambda event: kinds.update({event["requestId"]: event["response"]["url"]}))
+    session.on("Network.loadingFinished", lambda event: sizes.update({event["requestId"]: event["encodedDataLength"]}))
+    page.goto(url + path)
+    page.locator("section[data-status=ready]").first.wait_for()
+    page.wait_for_timeout(1_500)
+    page.context.close()
+    ours = sum(size for request, size in sizes.items() if "/v1/" not in kinds.get(request, ""))
+    return {"app_kilobytes": round(ours / 1000), "all_kilobytes": round(sum(sizes.values()) / 1000)}
+
+
+FRAME_TIMES = """
+(milliseconds) => new Promise((resolve) => {
+    const times = [];
+    let before = performance.now();
+    const end = before + milliseconds;
+    const step = (now) => {
+        times.push(now - before);
+        before = now;
+        if (now < end) requestAnimationFrame(step);
+        else resolve(times.slice(1));
+    };
+    requestAnimationFrame(step);
+})
+"""
+
+FOLLOW = """
+(path) => {
+    history.pushState({}, "", path);
+    dispatchEvent(new PopStateEvent("popstate"));
+}
+"""
+
+SHOWN = """
+(milliseconds) => new Promise((resolve) => {
+    const at = document.querySelector("[data-testid=frame]");
+    const shown = [];
+    const watch = new MutationObserver(() => shown.push(performance.now()));
+    watch.observe(at, { characterData: true, childList: true, subtree: true });
+    setTimeout(() => { watch.disconnect(); resolve(shown); }, milliseconds);
+})
+"""
+
+DECODED = """
+async ([script, file, rounds]) => {
+    const worker = new Worker(script, { type: "module" });
+    const ask = (message, given) => new Promise((resolve) => {
+        worker.onmessage = ({ data }) => resolve(data);
+        worker.postMessage(message, given);
+    });
+    const content = await (await fetch(file)).arrayBuffer();
+    const began = performance.now();
+    const { header } = await ask({ open: content }, [content]);
+    const open = performance.now() - began;
+    let into = new Float32Array(3 * header.vertices);
+    const times = [];
+    for (let index = 0; index < rounds; index += 1) {
+        const start = performance.now();
+        ({ positions: into } = await ask({ frame: index % header.frames, into }, [into.buffer]));
+        times.push(performance.now() - start);
+    }
+    worker.terminate();
+    return { open, times };
+}
+"""
+
+
+def playback(browser: Any, url: str, job: str) -> dict[str, float]:
+    """Play the motion for some seconds, then decode its frames alone."""
+    page = opened(browser)
+    page.goto(f"{url}/jobs/{job}")
+    page.locator("section[aria-label=Motion][data-status=ready]").wait_for()
+    page.get_by_role("button", name="Play", exact=True).click()
+    page.wait_for_timeout(1_500)
+    shown = page.evaluate(SHOWN, 6_000)
+    page.get_by_role("button", name="Pause", exact=True).click()
+    script = next(path for path in (STATIC / "assets").iterdir() if re.fullmatch(r"player\.worker-.*\.js", path.name))
+    decoded = page.evaluate(DECODED, [f"/assets/{script.name}", f"/v1/jobs/{job}/artifacts/motion.smc", 360])
+    page.context.close()
+    return {
+        "asked_fps": FPS,
+        "shown_fps": round((len(shown) - 1) / ((shown[-1] - shown[0]) / 1000), 1),
+        "open_ms": round(decoded["open"], 1),
+        "decode_ms": round(statistics.median(decoded["times"][120:]), 2),
+    }
+
+
+def scrolled(browser: Any, url: str, shape: dict[str, Any], total: int) -> dict[str, float]:
+    """Scroll through copies of one shape, a page of the list after another, then back through all of them."""
+    size = 200
+
+    def answer(route: Any) -> None:
+        begin = int((re.search(r"cursor=(\d+)", route.request.url) or [0, 0])[1])
+        items = [{**shape, "id": str(begin + i), "name": f"No {begin + i}"} for i in range(size)]
+        route.fulfill(json={"items": items, "next_cursor": str(begin + size) if begin + size < total else None})
+
+    page = opened(browser)
+    page.route(re.compile(r"/v1/shapes\?"), answer)
+    page.goto(f"{url}/shapes")
+    page.locator("li[data-shape='No 0']").wait_for()
+    while page.locator(f"li[data-shape='No {total - 1}']").count() == 0:
+        page.evaluate("scrollTo(0, document.documentElement.scrollHeight)")
+        page.wait_for_timeout(40)
+    page.evaluate("scrollTo(0, document.documentElement.scrollHeight / 2)")
+    page.wait_for_timeout(1_000)
+    page.evaluate(
+        "() => { const go = () => { scrollBy(0, -40); window.going = requestAnimationFrame(go); }; go(); }",
+    )
+    times = page.evaluate(FRAME_TIMES, 6_000)
+    nodes = page.evaluate("document.getElementsByTagName('*').length")
+    page.context.close()
+    return {"rows": total, "elements": nodes, **frame_times(times)}
+
+
+def paged(browser: Any, url: str, mesh: str, total: int) -> dict[str, float]:
+    """Make many jobs and call them off, then go through pages of their list."""
+    items = [{"inputs": {"mesh": mesh}, "params": {}}] * total
+    with httpx.Client(base_url=url, timeout=120) as api:
+        batch = api.post("/v1/batches", json={"kind": "shape-index", "items": items}).raise_for_status().json()
+        api.post(f"/v1/batches/{batch['id']}/cancel").raise_for_status()
+    page = opened(browser)
+    page.goto(f"{url}/jobs?state=cancelled")
+    seconds = []
+    for _ in range(10):
+        first = page.locator("[aria-busy=false] tr[data-job]").first
+        first.wait_for()
+        before = first.get_attribute("data-job")
+        began = time.perf_counter()
+        page.get_by_role("button", name="Older").click()
+        page.wait_for_function(
+            "(before) => { const row = document.querySelector('[aria-busy=false] tr[data-job]');"
+            " return row && row.dataset.job !== before; }",
+            arg=before,
+        )
+        seconds.append(time.perf_counter() - began)
+    page.context.close()
+    return {"jobs": total, "next_page_ms": round(1000 * statistics.median(seconds))}
+
+
+def frame_times(times: Sequence[float]) -> dict[str, float]:
+    """Tell how smooth it was from the times between frames (ms)."""
+    ordered = sorted(times)
+    return {
+        "fps": round(1000 * len(times) / sum(times), 1),
+        "p95_ms": round(ordered[int(0.95 * len(ordered))], 1),
+        "longest_ms": round(ordered[-1], 1),
+    }
+
+
+def memory(browser: Any, url: str, paths: Sequence[str], views: int) -> dict[str, Any]:
+    """Go to and fro between pages with viewers and the list of jobs, all within one page; heap after each view."""
+    page = opened(browser)
+    session = page.context.new_cdp_session(page)
+    page.goto(f"{url}/jobs")
+    page.get_by_text("Progress and outcome").wait_for()
+    heaps, nodes, resident = [], [], []
+    for view in range(views):
+        path = paths[view % len(paths)]
+        page.evaluate(FOLLOW, path)
+        page.locator("section[data-status=ready]").first.wait_for()
+        page.wait_for_timeout(200)
+        page.get_by_role("link", name="Jobs", exact=True).first.click()
+        page.get_by_text("Progress and outcome").wait_for()
+        session.send("HeapProfiler.collectGarbage")
+        heaps.append(session.send("Runtime.getHeapUsage")["usedSize"] / 1e6)
+        nodes.append(session.send("Memory.getDOMCounters")["nodes"])
+        resident.append(processes())
+    page.context.close()
+    settled = views // 5
+    return {
+        "views": views,
+        "heap_mb": [round(value, 1) for value in (heaps[0], heaps[settled], heaps[-1])],
+        "heap_kb_per_view": round(1000 * slope(heaps[settled:]), 1),
+        "nodes": [nodes[0], nodes[settled], nodes[-1]],
+        "resident_mb": [round(value) for value in (resident[0], resident[settled], resident[-1])],
+        "resident_kb_per_view": round(1000 * slope(resident[settled:])),
+    }
+
+
+def processes() -> float:
+    """Return what the browser's processes hold that draw and run pages, in MB."""
+    held = 0
+    for child in psutil.Process().children(recursive=True):
+        try:
+            if any(kind in child.cmdline() for kind in ("--type=renderer", "--type=gpu-process")):
+                held += child.memory_info().rss
+        except psutil.NoSuchProcess:
+            continue
+    return held / 1e6
+
+
+def slope(values: Sequence[float]) -> float:
+    """Return how much values grow in a step."""
+    return float(np.polyfit(np.arange(len(values)), values, 1)[0])
+
+
+def table(heads: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
+    """Write a table in Markdown."""
+    lines = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
+    return "\n".join(lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows])
+
+
+def report(found: dict[str, Any]) -> str:
+    """Tell in words what was measured."""
+    played, wall, jobs, held = found["playback"], found["wall"], found["jobs"], found["memory"]
+    loads = [
+        (name, one["kilobytes"], one["interactive_s"], one["main_thread_s"]) for name, one in found["loads"].items()
+    ]
+    viewers = [(name, one["app_kilobytes"], one["all_kilobytes"]) for name, one in found["viewers"].items()]
+    return f"""# The dashboard
+
+Embedded profile, headless Chromium {found["browser"]} that draws by the processor (SwiftShader), {found["processors"]}
+processors, load {found["load"]} before the run, 1280 × 720, everything from an empty cache.
+
+Pages without a viewer: what goes over the network, the time until the page can be used (its content is there, and no
+task of more than 50 ms has run since), and how long the main thread was busy; medians of {found["rounds"]}.
+
+{table(("page", "kB", "usable after s", "main thread s"), loads)}
+
+Pages with a viewer: scripts, styles and fonts, and all with the data that is shown.
+
+{table(("page", "app kB", "all kB"), viewers)}
+
+Playback at 10,000 vertices and {played["asked_fps"]} frames/s asked for: {played["shown_fps"]} frames/s shown. Opening
+the file takes {played["open_ms"]} ms, decoding a frame {played["decode_ms"]} ms in the player's thread.
+
+A wall of {wall["rows"]:,} shapes, scrolled through its middle: {wall["fps"]} frames/s, {wall["p95_ms"]} ms between
+frames at the 95th percentile, {wall["longest_ms"]} ms at the most, {wall["elements"]} elements in the page. With
+{jobs["jobs"]:,} jobs the next page of their list is there after {jobs["next_page_ms"]} ms.
+
+Memory over {held["views"]} views of a segmentation, a motion and a shape in turn, collected after each: heap
+{" → ".join(map(str, held["heap_mb"]))} MB (after the first, a fifth, all), {held["heap_kb_per_view"]} kB a view
+from then on; nodes of documents {" → ".join(map(str, held["nodes"]))}; the browser's drawing and page processes
+{" → ".join(map(str, held["resident_mb"]))} MB, {held["resident_kb_per_view"]} kB a view.
+"""
+
+
+def main() -> None:
+    """Measure everything and write it down."""
+    parser = argparse.ArgumentParser(description="Measure the dashboard in a browser.")
+    parser.add_argument("--rounds", type=int, default=5, help="loads of each page")
+    parser.add_argument("--views", type=int, default=100, help="views over which memory is watched")
+    parser.add_argument("--jobs", type=int, default=10_000, help="jobs in the list, and shapes on the wall")
+    options = parser.parse_args()
+    load = os.getloadavg()[0]
+    os.environ["SHAPERY_RATE_LIMIT_PER_MINUTE"] = "0"
+    with tempfile.TemporaryDirectory() as folder, platform(Path(folder)) as (url, _), Client(url) as client:
+        ids = fill(client, Path(folder))
+        [shape] = httpx.get(f"{url}/v1/shapes").raise_for_status().json()["items"]
+        with chromium() as browser:
+            found: dict[str, Any] = {
+                "browser": browser.version,
+                "processors": os.cpu_count(),
+                "load": round(load, 1),
+                "rounds": options.rounds,
+            }
+
+            def step(name: str, measure: Callable[[], Any]) -> None:
+                found[name] = measure()
+                print(name, json.dumps(found[name]), flush=True)
+
+            viewers = {
+                "Segmentation": f"/jobs/{ids['segmentation']}",
+                "Motion": f"/jobs/{ids['motion']}",
+                "Shape": f"/shapes/{shape['id']}",
+            }
+            step(
+                "loads",
+                lambda: {name: first_load(browser, url, *where, options.rounds) for name, where in PAGES.items()},
+            )
+            step("viewers", lambda: {name: viewed(browser, url, path) for name, path in viewers.items()})
+            step("playback", lambda: playback(browser, url, ids["motion"]))
+            step("wall", lambda: scrolled(browser, url, shape, options.jobs))
+            step("memory", lambda: memory(browser, url, list(viewers.values()), options.views))
+            step("jobs", lambda: paged(browser, url, shape["asset_id"], options.jobs))
+    (RESULTS / "dashboard.json").write_text(json.dumps(found, indent=2) + "\n")
+    (RESULTS / "dashboard.md").write_text(report(found))
+
+
+if __name__ == "__main__":
+    main()
