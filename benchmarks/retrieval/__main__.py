@@ -15,7 +15,7 @@ import numpy as np
 
 from benchmarks.retrieval.costs import index_profile, query_cost
 from benchmarks.retrieval.features import Features, features_of, part_of
-from benchmarks.retrieval.growth import candidate_growth, growth
+from benchmarks.retrieval.growth import growth
 from benchmarks.retrieval.measures import class_matrix, measure, per_query, precision_recall, relevance
 from benchmarks.retrieval.plots import draw_class_matrix, draw_precision_recall
 from benchmarks.retrieval.scores import all_methods
@@ -155,7 +155,7 @@ def main() -> None:
     result["index_cpu_seconds"] = index_profile([mesh_of(n) for n in numbers[:: max(1, len(numbers) // 10)]])
     result["query_cpu_seconds"] = query_cost(features)
     result["growth"] = growth(features, [10**k for k in range(2, options.growth + 1)])
-    result["growth_of_vectors"] = candidate_growth(features, 10 ** (options.growth + 1))
+
     (RESULTS / "retrieval.json").write_text(json.dumps(result, indent=2))
     (RESULTS / "retrieval.md").write_text(report(result, len(features)))
     print((RESULTS / "retrieval.md").read_text())

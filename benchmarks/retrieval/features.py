@@ -67,7 +67,7 @@ def d2_histogram(mesh: TriangleMesh, rng: np.random.Generator, pairs: int = 40_0
 def features_of(name: str, mesh: TriangleMesh) -> Features:
     """Return the features of a mesh, from the cache where its content was seen before."""
     content = hashlib.sha256(mesh.vertices.tobytes() + mesh.faces.tobytes()).hexdigest()[:20]
-    path = CACHE / _DIGEST / f"{content}.npz"
+    path = CACHE / DIGEST / f"{content}.npz"
     if not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True)
         start = time.process_time()
@@ -83,7 +83,7 @@ def features_of(name: str, mesh: TriangleMesh) -> Features:
 def part_of(mesh: TriangleMesh) -> tuple[Arg, list[Patches]]:
     """Return the graph of a part and what it may be, from the cache where its content was seen before."""
     content = hashlib.sha256(mesh.vertices.tobytes() + mesh.faces.tobytes()).hexdigest()[:20]
-    path = CACHE / _DIGEST / f"part-{content}.npz"
+    path = CACHE / DIGEST / f"part-{content}.npz"
     if not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True)
         found = describe(mesh)
@@ -113,4 +113,4 @@ def save(path: Path, arg: Arg, eigenvalues: NDArray[np.float64], mesh: TriangleM
     part.replace(path)
 
 
-_DIGEST = _digest()
+DIGEST = _digest()

@@ -2,169 +2,228 @@
 
 Banks are filled with graphs between real ones: each is a real graph whose descriptors are moved towards one of its
 twelve nearest by up to three fifths of the way, and by noise of a share of the spread in the bank; its parts drift and
-scatter.
+scatter. A million is a hundred thousand of these with vectors scattered around theirs.
 """
 
 from __future__ import annotations
 
 import hashlib
+import json
+import resource
 import time
-import tracemalloc
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 from uuid import UUID
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.retrieval.features import CACHE, Features
+from benchmarks.retrieval.features import CACHE
 from shapery_contracts.retrieval import VECTOR_DIMENSION
+from shapery_geometry.threads import one_blas_thread
 from shapery_retrieval.arg import Arg
 from shapery_retrieval.job import CANDIDATES
-from shapery_retrieval.packing import PackedLevel, pack_levels, whole_arrays
+from shapery_retrieval.packing import PackedLevel, pack_levels, part_distances, whole_arrays
+from shapery_retrieval.ranking import RANK
 from shapery_retrieval.search import Searcher
-from shapery_retrieval.vector import PackedGraphs, cue_distances, vectors_of
+from shapery_retrieval.vector import SEGMENTS, cue_distances, vectors_of
 from shapery_worker.bank import VectorTable
 
 NOISE = 0.05
 WAY = 0.6
 CHUNK = 1000
+MOST_GRAPHS = 100_000
 NAMES = ("masses", "features", "squares", "distances", "own", "parts")
 QUERIES = 20
+NEAREST = 200
+"""So many nearest by each cue are looked at by the exhaustive search besides those that its graphs find."""
+
+Array = NDArray[np.float64]
 
 
-def grown(args: Sequence[Arg], size: int) -> PackedGraphs:
-    """Return so many graphs between those of `args`; a thousand of them are computed once and kept in a file."""
-    levels, whole = pack_levels(args), whole_arrays(args)
-    vectors = vectors_of(levels, whole)
-    near = np.argsort(cue_distances(vectors, vectors, "covariance"), axis=1)[:, 1:13]
-    folder = CACHE / f"grown-{hashlib.sha256(b''.join(arg.to_bytes() for arg in args)).hexdigest()[:16]}"
-    folder.mkdir(parents=True, exist_ok=True)
-    chunks = []
-    for number in range(-(-size // CHUNK)):
-        path = folder / f"{number}.npz"
+class Grown:
+    """Graphs between those of `args`, made a thousand at a time and kept in files."""
+
+    def __init__(self, args: Sequence[Arg], size: int) -> None:
+        self._real = pack_levels(args), whole_arrays(args)
+        vectors = vectors_of(*self._real)
+        self._near = np.argsort(cue_distances(vectors, vectors, "covariance"), axis=1)[:, 1:13]
+        self._spread = NOISE * vectors.std(axis=0)
+        digest = hashlib.sha256(b"".join(arg.to_bytes() for arg in args)).hexdigest()[:16]
+        self._folder = CACHE / f"grown-{digest}"
+        self._folder.mkdir(parents=True, exist_ok=True)
+        self._size = size
+        count = min(size, MOST_GRAPHS)
+        chunks = [self._chunk(number) for number in range(-(-count // CHUNK))]
+        self.levels = tuple(
+            PackedLevel(*(np.concatenate([chunk[k][name] for chunk, _ in chunks])[:count] for name in NAMES))
+            for k in range(len(self._real[0]))
+        )
+        self._vectors = np.concatenate([vectors for _, vectors in chunks])[:count]
+
+    def vectors(self, begin: int, end: int) -> NDArray[np.float32]:
+        """Return the vectors of the shapes from one number to another."""
+        places = np.arange(begin, end)
+        found = self._vectors[places % len(self._vectors)]
+        if end <= len(self._vectors):
+            return found
+        noise = np.random.default_rng([12, begin]).standard_normal(found.shape, np.float32) * self._spread
+        noise[places < len(self._vectors)] = 0.0
+        return np.asarray(found + noise, dtype=np.float32)
+
+    def lay(self, places: NDArray[np.int64]) -> tuple[PackedLevel, ...]:
+        """Lay out the graphs of some shapes."""
+        return tuple(level.taken(places % len(self._vectors)) for level in self.levels)
+
+    def _chunk(self, number: int) -> tuple[list[dict[str, Any]], NDArray[np.float32]]:
+        path = self._folder / f"{number}.npz"
         if not path.exists():
-            _save(path, _between(levels, whole, near, CHUNK, np.random.default_rng([11, number])))
-        chunks.append(_load(path, len(levels)))
-    joined = tuple(
-        PackedLevel(*(np.concatenate([getattr(chunk.levels[k], name) for chunk in chunks])[:size] for name in NAMES))
-        for k in range(len(levels))
-    )
-    return PackedGraphs(joined, np.concatenate([chunk.vectors for chunk in chunks])[:size])
+            levels, vectors = self._between(CHUNK, np.random.default_rng([11, number]))
+            arrays = {f"{name}{k}": getattr(level, name) for k, level in enumerate(levels) for name in NAMES}
+            part = path.with_suffix(".part.npz")
+            np.savez(part, vectors=vectors, **arrays)
+            part.replace(path)
+        with np.load(path, allow_pickle=False) as stored:
+            found = [{name: stored[f"{name}{k}"] for name in NAMES} for k in range(len(self._real[0]))]
+            return found, stored["vectors"]
+
+    @one_blas_thread()
+    def _between(self, count: int, rng: np.random.Generator) -> tuple[list[PackedLevel], NDArray[np.float32]]:
+        levels, whole = self._real
+        start = rng.integers(len(self._near), size=count)
+        end = self._near[start, rng.integers(self._near.shape[1], size=count)]
+        way = rng.uniform(0, WAY, count)[:, None]
+        moved = {}
+        for name, values in whole.items():
+            noise = NOISE * values.std(axis=0) * rng.normal(size=(count, values.shape[1]))
+            moved[name] = ((1 - way) * values[start] + way * values[end] + noise).astype(np.float32)
+        found = []
+        for level in levels:
+            real = level.masses[start, None, :] > 0
+            spread = level.features.std(axis=(0, 2))[None, :, None]
+            drift = rng.normal(size=(count, spread.shape[1], 1))
+            scatter = rng.normal(size=(count, spread.shape[1], level.masses.shape[1]))
+            features = (level.features[start] + NOISE * spread * (drift + scatter) * real).astype(np.float32)
+            squares = np.einsum("ndk,ndk->nk", features, features)
+            stretch = np.exp(NOISE * rng.normal(size=(count, 1, 1))).astype(np.float32)
+            bare = PackedLevel(
+                level.masses[start], features, squares, level.distances[start] * stretch,
+                np.zeros(count, np.float32), level.parts[start],
+            )  # fmt: skip
+            own = np.array([bare.costs(bare, i, np.array([i]))[0] for i in range(count)], dtype=np.float32)
+            found.append(PackedLevel(bare.masses, features, squares, bare.distances, own, bare.parts))
+        return found, vectors_of(found, moved)
 
 
-def _save(path: Path, graphs: PackedGraphs) -> None:
-    arrays = {f"{name}{k}": getattr(level, name) for k, level in enumerate(graphs.levels) for name in NAMES}
-    part = path.with_suffix(".part.npz")
-    np.savez(part, vectors=graphs.vectors, **arrays)
-    part.replace(path)
+def growth(args: Sequence[Arg], sizes: Sequence[int], queries: int = QUERIES) -> list[dict[str, Any]]:
+    """Return for banks of growing size what a query costs, by stage, and how much of the exhaustive answer it keeps.
 
-
-def _load(path: Path, levels: int) -> PackedGraphs:
-    with np.load(path, allow_pickle=False) as stored:
-        found = tuple(PackedLevel(*(stored[f"{name}{k}"] for name in NAMES)) for k in range(levels))
-        return PackedGraphs(found, stored["vectors"])
-
-
-def _between(
-    levels: Sequence[PackedLevel],
-    whole: dict[str, NDArray[np.float32]],
-    near: NDArray[np.int64],
-    count: int,
-    rng: np.random.Generator,
-) -> PackedGraphs:
-    start = rng.integers(len(near), size=count)
-    end = near[start, rng.integers(near.shape[1], size=count)]
-    way = rng.uniform(0, WAY, count)[:, None]
-    moved = {}
-    for name, values in whole.items():
-        noise = NOISE * values.std(axis=0) * rng.normal(size=(count, values.shape[1]))
-        moved[name] = ((1 - way) * values[start] + way * values[end] + noise).astype(np.float32)
-    found = []
-    for level in levels:
-        real = level.masses[start, None, :] > 0
-        spread = level.features.std(axis=(0, 2))[None, :, None]
-        drift = rng.normal(size=(count, spread.shape[1], 1))
-        scatter = rng.normal(size=(count, spread.shape[1], level.masses.shape[1]))
-        features = (level.features[start] + NOISE * spread * (drift + scatter) * real).astype(np.float32)
-        squares = np.einsum("ndk,ndk->nk", features, features)
-        stretch = np.exp(NOISE * rng.normal(size=(count, 1, 1))).astype(np.float32)
-        distances = level.distances[start] * stretch
-        bare = PackedLevel(
-            level.masses[start], features, squares, distances, np.zeros(count, np.float32), level.parts[start]
-        )
-        own = np.array([bare.costs(bare, i, np.array([i]))[0] for i in range(count)], dtype=np.float32)
-        found.append(PackedLevel(bare.masses, features, squares, distances, own, bare.parts))
-    return PackedGraphs(tuple(found), vectors_of(found, moved))
-
-
-def growth(features: Sequence[Features], sizes: Sequence[int], queries: int = QUERIES) -> list[dict[str, Any]]:
-    """Return for banks of growing size what a query costs, by stage, and how much of the exhaustive answer it keeps."""
-    args = [item.arg for item in features]
+    Beyond `MOST_GRAPHS` the costs alone are measured.
+    """
     asked = args[:: max(1, len(args) // queries)][:queries]
-    bank = grown(args, max(sizes))
-    rows = []
+    known = [vectors_of(pack_levels([query]), whole_arrays([query]))[0] for query in asked]
+    bank, rows = Grown(args, max(sizes)), []
     for size in sizes:
-        table = VectorTable()
-        for place, vector in enumerate(bank.vectors[:size]):
-            table.put(UUID(int=place), vector.tobytes())
-        whole = _over(bank, np.arange(size))
-        seconds = {"vector": 0.0, "candidates": 0.0, "match": 0.0}
-        kept, compared = [], 0
-        for query in asked:
-            start = time.process_time()
-            levels = pack_levels([query])
-            vector = vectors_of(levels, whole_arrays([query]))[0].astype(np.float64)
-            seconds["vector"] += time.process_time() - start
-            start = time.process_time()
-            near = table.nearest(vector, CANDIDATES, None)
-            seconds["candidates"] += time.process_time() - start
-            places = np.sort([UUID(candidate.shape_id).int for candidate in near])
-            start = time.process_time()
-            answer = _over(bank, places).search(query, vector=vector)
-            seconds["match"] += time.process_time() - start
-            compared += answer.compared
-            best = whole.search(query, exhaustive=True)
-            kept.append(
-                len({hit.shape_id for hit in answer.hits} & {hit.shape_id for hit in best.hits}) / len(best.hits)
-            )
-        rows.append(
-            {
-                "size": size,
-                **{name: value / len(asked) for name, value in seconds.items()},
-                "query": sum(seconds.values()) / len(asked),
-                "compared": compared / len(asked),
-                "agreement": float(np.mean(kept)),
-                "vector_megabytes": table.size / 2**20,
-            }
-        )
+        path = bank._folder / f"row-{size}-{queries}.json"
+        if not path.exists():
+            row = _measured(bank, size, asked, known)
+            path.write_text(json.dumps(row))
+        rows.append(json.loads(path.read_text()))
         print(rows[-1], flush=True)
     return rows
 
 
-def candidate_growth(features: Sequence[Features], size: int) -> dict[str, Any]:
-    """Return the cost of the first stage alone in a bank of vectors around real ones."""
-    rng = np.random.default_rng(1)
-    real = vectors_of(pack_levels([f.arg for f in features]), whole_arrays([f.arg for f in features]))
-    spread = 0.3 * real.std(axis=0)
-    tracemalloc.start()
+def _measured(bank: Grown, size: int, asked: Sequence[Arg], known: Sequence[NDArray[np.float32]]) -> dict[str, Any]:
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     table = VectorTable()
-    for place in range(size):
-        vector = real[place % len(real)] + (rng.standard_normal(VECTOR_DIMENSION) * spread).astype(np.float32)
-        table.put(UUID(int=place), vector.tobytes())
-    megabytes = tracemalloc.get_traced_memory()[0] / 2**20
-    tracemalloc.stop()
-    start = time.process_time()
-    for query in real[:5]:
-        table.nearest(query.astype(np.float64), CANDIDATES, None)
-    return {"size": size, "candidates": (time.process_time() - start) / 5, "megabytes": megabytes}
+    for begin in range(0, size, CHUNK):
+        for place, vector in enumerate(bank.vectors(begin, min(begin + CHUNK, size)), start=begin):
+            table.put(UUID(int=place), vector.tobytes())
+    seconds = {"vector": 0.0, "candidates": 0.0, "match": 0.0}
+    totals, found, compared = [], [], 0
+    for query in (*asked[:2], *asked):
+        at = [time.process_time()]
+        vector = vectors_of(pack_levels([query]), whole_arrays([query]))[0].astype(np.float64)
+        at.append(time.process_time())
+        near = table.nearest(vector, CANDIDATES, None)
+        at.append(time.process_time())
+        near = sorted(near)
+        places = np.array([UUID(candidate.shape_id).int for candidate in near])
+        vectors = np.frombuffer(b"".join(candidate.vector for candidate in near), dtype="<f4")
+        answer = _over(bank, places, vectors.reshape(-1, VECTOR_DIMENSION)).search(query, vector=vector)
+        at.append(time.process_time())
+        totals.append(at[-1] - at[0])
+        found.append({int(hit.shape_id) for hit in answer.hits})
+        compared += answer.compared
+        for name, spent in zip(seconds, np.diff(at), strict=True):
+            seconds[name] += float(spent)
+    count = len(totals)
+    row = {
+        "size": size,
+        **{name: value / count for name, value in seconds.items()},
+        "query": float(np.mean(totals)),
+        "compared": compared / count,
+        "agreement": None,
+        "vector_megabytes": table.size / 2**20,
+        "peak_megabytes": (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 2**10,
+    }
+    if size <= MOST_GRAPHS:
+        best = exhaustive(bank, size, asked, known)
+        row["agreement"] = float(np.mean([len(a & b) / len(b) for a, b in zip(found[2:], best, strict=True)]))
+    return row
 
 
-def _over(bank: PackedGraphs, places: NDArray[np.int64]) -> Searcher:
+@one_blas_thread()
+def exhaustive(bank: Grown, size: int, asked: Sequence[Arg], known: Sequence[NDArray[np.float32]]) -> list[set[int]]:
+    """Return the twenty best of searches in which every shape is matched part by part, on scales of the whole bank.
+
+    Local scales, of which each takes a look at the whole bank, are worked out for whatever is near by some cue.
+    """
+    vectors = bank.vectors(0, size)
+    everyone = np.arange(size)
+    chosen, divergences = [], []
+    for query, vector in zip(asked, known, strict=True):
+        levels = pack_levels([query])
+        apart = np.concatenate(
+            [part_distances(levels, 0, bank.lay(some), np.arange(len(some))) for some in _blocks(everyone)]
+        )
+        by_cue = [apart, *(cue_distances(vector, vectors, cue) for cue in SEGMENTS)]
+        most = min(NEAREST, size)
+        chosen.append(np.unique(np.concatenate([np.argpartition(d, most - 1)[:most] for d in by_cue])))
+        divergences.append(apart)
+    union = np.unique(np.concatenate(chosen))
+    rank = min(RANK, max(1, size // 2))
+    scales = {}
+    for cue in SEGMENTS:
+        rows = []
+        for some in _blocks(union):
+            apart = cue_distances(vectors[some], vectors, cue)
+            apart[np.arange(len(some)), some] = np.inf
+            rows.append(np.partition(apart, rank - 1, axis=1)[:, rank - 1])
+        scales[cue] = np.maximum(np.concatenate(rows), 1e-3)
+    found = []
+    for query, vector, places in zip(asked, known, chosen, strict=True):
+        own = np.searchsorted(union, places)
+        searcher = _over(bank, places, vectors[places], {cue: values[own] for cue, values in scales.items()})
+        answer = searcher.search(query, exhaustive=True, vector=vector.astype(np.float64))
+        found.append({int(hit.shape_id) for hit in answer.hits})
+    return found
+
+
+def _blocks(places: NDArray[np.int64]) -> list[NDArray[np.int64]]:
+    return np.split(places, range(200, len(places), 200))
+
+
+def _over(
+    bank: Grown, places: NDArray[np.int64], vectors: NDArray[np.float32], scales: dict[str, Array] | None = None
+) -> Searcher:
     """Return a searcher over some graphs of a bank, named by their places."""
-    return Searcher(
-        [f"{place:07d}" for place in places.tolist()],
-        bank.vectors[places],
-        lambda chosen: tuple(level.taken(places[chosen]) for level in bank.levels),
-    )
+    names = [f"{place:07d}" for place in places.tolist()]
+    return Searcher(names, vectors, lambda chosen: bank.lay(places[chosen]), lambda _: [], scales=scales)
+
+
+def row_of(row: dict[str, Any]) -> str:
+    """Return the figures of one size as a row of a Markdown table."""
+    costs = " | ".join(f"{1000 * row[stage]:.1f}" for stage in ("vector", "candidates", "match", "query"))
+    kept = "–" if row["agreement"] is None else f"{row['agreement']:.3f}"
+    return f"| {row['size']:,} | {costs} | {row['compared']:.0f} | {kept} | {row['vector_megabytes']:.0f} |"

@@ -45,18 +45,6 @@ def _add_rows(weights, rows, n, l, factor, out):  # noqa: E741
 
 
 @njit(**_FAST)
-def _node_costs(features, other, squares, other_squares, k, l, cost):  # noqa: E741
-    """Squared distance between the features of every two nodes; features are (d, k), so that loops run over nodes."""
-    d = features.shape[0]
-    for i in range(k):
-        for j in range(l):
-            cost[i, j] = squares[i] + other_squares[j]
-        _add_rows(features[:, i], other, d, l, np.float32(-2.0), cost[i])
-        for j in range(l):
-            cost[i, j] = max(cost[i, j], np.float32(0.0))
-
-
-@njit(**_FAST)
 def _balance(kernel, masses, other, k, l, rounds, relaxed, plan):  # noqa: E741
     """Scale a kernel to the given margins, both sides at once, so that the plan of (y, x) is that of (x, y) transposed.
 
@@ -107,14 +95,12 @@ def _balance(kernel, masses, other, k, l, rounds, relaxed, plan):  # noqa: E741
 
 
 @njit(**_FAST)
-def transport(
-    masses, features, squares, distances, other_masses, other_features, other_squares, other_distances,
-    alpha, epsilon, outer, rounds, relaxed, plan,
-):  # fmt: skip
-    """Fill `plan` (k, l) and return its cost: (1 − α)⟨M, T⟩ + α Σ (C_ik − D_jl)² T_ij T_kl."""
+def transport(cost, masses, distances, other_masses, other_distances, alpha, epsilon, outer, rounds, relaxed, plan):
+    """Fill `plan` (k, l) and return its cost: (1 − α)⟨M, T⟩ + α Σ (C_ik − D_jl)² T_ij T_kl.
+
+    M is `cost` (k, l), that of putting two nodes together.
+    """
     k, l = len(masses), len(other_masses)  # noqa: E741
-    cost = np.empty((k, l), dtype=np.float32)
-    _node_costs(features, other_features, squares, other_squares, k, l, cost)
     kernel = np.empty((k, l), dtype=np.float32)
     gradient = np.empty((k, l), dtype=np.float32)
     half = np.empty((k, l), dtype=np.float32)
@@ -182,17 +168,15 @@ def transport(
 
 @njit(**_FAST)
 def transport_many(
-    masses, features, squares, distances, bank_masses, bank_features, bank_squares, bank_distances, chosen,
-    alpha, epsilon, outer, rounds, relaxed,
+    costs, masses, distances, bank_masses, bank_distances, chosen, alpha, epsilon, outer, rounds, relaxed
 ):  # fmt: skip
-    """(c,) cost of one graph against the chosen ones of a bank."""
+    """(c,) cost of one graph against the chosen ones of a bank, from (c, k, l) costs of putting nodes together."""
     result = np.empty(len(chosen), dtype=np.float32)
     plan = np.empty((len(masses), bank_masses.shape[1]), dtype=np.float32)
     for place in range(len(chosen)):
         x = chosen[place]
         result[place] = transport(
-            masses, features, squares, distances,
-            bank_masses[x], bank_features[x], bank_squares[x], bank_distances[x],
+            costs[place], masses, distances, bank_masses[x], bank_distances[x],
             alpha, epsilon, outer, rounds, relaxed, plan,
         )  # fmt: skip
     return result

@@ -36,7 +36,7 @@ _FRACTIONS = {"normalise": 0.05, "describe": 0.15, "decompose": 0.6, "views": 0.
 WRITE = 0.85
 
 CANDIDATES = 600
-"""So many shapes, nearest by their vectors, are compared by all cues."""
+"""So many shapes, nearest by their vectors, are compared by all cues: a `shapery_retrieval.ranking.NEIGHBOURHOOD`."""
 PARTIAL_CANDIDATES = 4000
 """A part may be of anything: far more shapes are matched then."""
 

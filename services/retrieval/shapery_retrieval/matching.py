@@ -14,7 +14,7 @@ off the cost with oneself).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from shapery_retrieval import _matching_kernels as kernels
 from shapery_retrieval.arg import Arg
-from shapery_retrieval.packing import ALPHA, EPSILON, OUTER, ROUNDS, PackedLevel
+from shapery_retrieval.packing import ALPHA, PackedLevel
 from shapery_retrieval.vector import PackedGraphs, cue_distances, pack
 from shapery_retrieval.vocabulary import vocabulary
 
@@ -44,6 +44,7 @@ class LevelMatch:
         In [0, 1]; 1 for a shape with itself.
     transport : (k, l) float64
         How much of the query's area the matching carries from each of its parts to each part of the other; in sum 1.
+        Empty on levels whose plan was not asked for.
     """
 
     level: int
@@ -93,71 +94,67 @@ def match(query: Arg, other: Arg, *, partial: bool = False) -> Match:
         ``conflict`` for graphs of different index versions.
     """
     both = pack((query, other))
-    return match_packed(both, 0, both, 1, partial=partial)
+    return match_packed(both, 0, both, np.array([1]), partial=partial)[0]
 
 
 def match_packed(
     query: PackedGraphs,
     index: int,
     bank: PackedGraphs,
-    place: int,
+    places: NDArray[np.int64],
     *,
     partial: bool = False,
     plans: Literal["all", "best"] = "all",
-) -> Match:
-    """Match two graphs that are laid out already; see `match`.
+) -> list[Match]:
+    """Match a graph with others that are laid out already; see `match`.
 
-    With `plans` ``best`` the plan of the best level alone is sharp, which is what costs most.
+    With `plans` ``best`` the plan of the best level alone is worked out, which is what costs most; the others' are
+    empty.
     """
-    levels = []
-    if not partial:
-        levels.append(LevelMatch(0, _root_score(query, index, bank, place), np.ones((1, 1))))
-    for number, (own, others) in enumerate(zip(query.levels, bank.levels, strict=True), start=1):
-        cost, plan = transport_plan(own, index, others, place, relaxed=partial)
+    scores = []
+    for own, others in zip(query.levels, bank.levels, strict=True):
         if partial:
-            itself = transport_plan(own, index, own, index, relaxed=True)[0]
+            itself = own.costs(own, index, np.array([index]), relaxed=True)[0]
+            apart = np.maximum(own.costs(others, index, places, relaxed=True) - itself, 0.0)
         else:
-            itself = float(own.own[index] + others.own[place]) / 2
-        score = float(np.exp(-max(cost - itself, 0.0) / UNLIKE))
-        levels.append(LevelMatch(number, score, plan[: own.parts[index], : others.parts[place]]))
-    best = max((level for level in levels if level.level > 0), key=lambda level: level.score)
-    score = best.score if partial else sum(level.score for level in levels) / len(levels)
-    sharp = [
-        replace(level, transport=_sharp(query, index, bank, place, level.level, relaxed=partial))
-        if level.level > 0 and (plans == "all" or level is best)
-        else level
-        for level in levels
-    ]
-    return Match(score, tuple(sharp), best.level)
+            apart = own.divergences(others, index, places)
+        scores.append(np.exp(-apart.astype(np.float64) / UNLIKE))
+    below = np.stack(scores, axis=1)
+    roots = None if partial else _root_scores(query, index, bank, places)
+    matches = []
+    for row, place in enumerate(places.tolist()):
+        best = int(np.argmax(below[row])) + 1
+        levels = [] if roots is None else [LevelMatch(0, float(roots[row]), np.ones((1, 1)))]
+        for number, (own, others) in enumerate(zip(query.levels, bank.levels, strict=True), start=1):
+            if plans == "all" or number == best:
+                plan = sharp_plan(own, index, others, place, relaxed=partial)
+            else:
+                plan = np.zeros((0, 0))
+            levels.append(LevelMatch(number, float(below[row, number - 1]), plan))
+        score = float(below[row, best - 1]) if partial else sum(level.score for level in levels) / len(levels)
+        matches.append(Match(score, tuple(levels), best))
+    return matches
 
 
-def _sharp(
-    query: PackedGraphs, index: int, bank: PackedGraphs, place: int, level: int, *, relaxed: bool
+def sharp_plan(
+    query: PackedLevel, index: int, other: PackedLevel, place: int, *, relaxed: bool = False
 ) -> NDArray[np.float64]:
-    own, others = query.levels[level - 1], bank.levels[level - 1]
-    plan = transport_plan(own, index, others, place, relaxed=relaxed, sharp=True)[1]
-    return plan[: own.parts[index], : others.parts[place]]
+    """(k, l) plan that puts one graph's level on another's.
 
-
-def transport_plan(
-    query: PackedLevel, index: int, other: PackedLevel, place: int, *, relaxed: bool = False, sharp: bool = False
-) -> tuple[float, NDArray[np.float64]]:
-    """Return the cost of putting one graph's level on another's, and the plan.
-
-    Scores take few soft steps, which is what ranks best and fastest. Correspondences are `sharp`: more steps with less
-    entropy, so that a part is carried to one other.
+    Scores take few soft steps, which is what ranks best and fastest. Correspondences take more steps with less entropy,
+    so that a part is carried to one other.
     """
     plan = np.zeros((query.masses.shape[1], other.masses.shape[1]), dtype=np.float32)
-    cost = kernels.transport(
-        query.masses[index], query.features[index], query.squares[index], query.distances[index],
-        other.masses[place], other.features[place], other.squares[place], other.distances[place],
-        ALPHA, SHARP_EPSILON if sharp else EPSILON, SHARP_OUTER if sharp else OUTER,
-        SHARP_ROUNDS if sharp else ROUNDS, relaxed, plan,
+    kernels.transport(
+        query.node_costs(other, index, np.array([place]))[0], query.masses[index], query.distances[index],
+        other.masses[place], other.distances[place],
+        ALPHA, SHARP_EPSILON, SHARP_OUTER, SHARP_ROUNDS, relaxed, plan,
     )  # fmt: skip
-    return float(cost), plan.astype(np.float64)
+    return plan[: query.parts[index], : other.parts[place]].astype(np.float64)
 
 
-def _root_score(query: PackedGraphs, index: int, bank: PackedGraphs, place: int) -> float:
-    own, other = query.vectors[index], bank.vectors[place : place + 1]
+def _root_scores(query: PackedGraphs, index: int, bank: PackedGraphs, places: NDArray[np.int64]) -> NDArray[np.float64]:
+    own, others = query.vectors[index], bank.vectors[places]
     unlike = vocabulary().unlike
-    return float(np.mean([np.exp(-cue_distances(own, other, cue)[0] / unlike[cue]) for cue in unlike]))
+    scores = [np.exp(-cue_distances(own, others, cue) / unlike[cue]) for cue in unlike]
+    return np.asarray(np.mean(scores, axis=0))

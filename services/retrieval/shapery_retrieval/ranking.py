@@ -27,9 +27,13 @@ TRUST: Mapping[str, float] = {"parts": 1.0, "views": 2.0, "intrinsic": 1.0}
 """How much a contrast is worth: views never set shapes apart as clearly as numbers of the surface do."""
 RANK = 12
 """The scale of a neighbourhood is the distance to the neighbour of this rank."""
+LEAST_SCALE = 1e-3
+"""Below this lies what single precision makes of no distance at all."""
 NEAR, FAR = 8, (16, 48)
 """Contrast is the mean affinity of so many nearest less that of these ranks."""
 FLOOR = 0.02
+NEIGHBOURHOOD = 600
+"""So many nearest shapes are what a query is weighed against; a search compares no more by all cues."""
 DAMPING = 0.9
 MOST_NEIGHBOURS, NEIGHBOUR_SHARE = 10, 0.15
 ONE_SIDED = 0.1
@@ -43,8 +47,7 @@ def local_scale(distances: Array) -> float:
     if not len(finite):
         return 1.0
     rank = min(RANK, max(1, (len(finite) + 1) // 2))
-    # below this lies what single precision makes of no distance at all
-    return max(float(np.partition(finite, rank - 1)[rank - 1]), 1e-3)
+    return max(float(np.partition(finite, rank - 1)[rank - 1]), LEAST_SCALE)
 
 
 def local_scales(distances: Array, *, without: NDArray[np.int64] | None = None) -> Array:
@@ -53,19 +56,19 @@ def local_scales(distances: Array, *, without: NDArray[np.int64] | None = None) 
     With `without`, an (r,) list of items, the (r, n) scales of all others in a bank that lacks each one of these.
     """
     n = len(distances)
-    apart = np.where(np.eye(n, dtype=bool), np.inf, distances)
+    if n < (2 if without is None else 3):
+        return np.ones(n if without is None else (len(without), n))
+    apart = distances.copy()
+    np.fill_diagonal(apart, np.inf)
     if without is None:
         rank = min(RANK, max(1, n // 2))
-        if n < 2:
-            return np.ones(n)
-        return np.asarray(np.maximum(np.partition(apart, rank - 1, axis=1)[:, rank - 1], 1e-3))
-    if n < 3:
-        return np.ones((len(without), n))
+        apart.partition(rank - 1, axis=1)
+        return np.maximum(apart[:, rank - 1], LEAST_SCALE)
     rank = min(RANK, max(1, (n - 1) // 2))
     near = np.partition(apart, (rank - 1, rank), axis=1)[:, rank - 1 : rank + 1]
     # whoever is among the nearest makes room for the next one when it is left out
     scales = np.where(near[:, 0] < apart[:, without].T, near[:, 0], near[:, 1])
-    return np.asarray(np.maximum(scales, 1e-3))
+    return np.asarray(np.maximum(scales, LEAST_SCALE))
 
 
 def affinity(distances: Array, scale: float | Array, scales: Array) -> Array:
@@ -95,23 +98,22 @@ def gate(affinities: Mapping[str, Array]) -> dict[str, float]:
     -------
     Weights in sum 1: the squares of trust-weighted contrast times agreement, over their sum. A group agrees with
     another as far as their affinities correlate. Postures of two animals may look alike and set shapes apart as clearly
-    as their surfaces do, but then the other groups know nothing of it.
+    as their surfaces do, but then the other groups know nothing of it. Of a large bank the `NEIGHBOURHOOD` alone
+    counts, so that it makes no difference whether all shapes are looked at or the nearest ones.
     """
     groups = list(affinities)
-    n = len(affinities[groups[0]])
+    rows = np.stack([affinities[group] for group in groups])
+    if rows.shape[1] > NEIGHBOURHOOD:
+        rows = rows[:, np.argpartition(-rows.sum(axis=0), NEIGHBOURHOOD)[:NEIGHBOURHOOD]]
+    contrasts = contrast(rows)
     agreement = np.ones(len(groups))
-    if n > FAR[0] + 1 and len(groups) > 1:
-        rows = np.stack([affinities[group] for group in groups])
+    if rows.shape[1] > FAR[0] + 1 and len(groups) > 1:
         rows = rows - rows.mean(axis=1, keepdims=True)
         rows /= np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-12)
         alike = np.maximum(rows @ rows.T, FLOOR)
         agreement = (alike.sum(axis=1) - np.diag(alike)) / (len(groups) - 1)
-    strength = {
-        group: TRUST[group] * (float(contrast(affinities[group])) * bears_out) ** 2
-        for group, bears_out in zip(groups, agreement.tolist(), strict=True)
-    }
-    total = sum(strength.values())
-    return {group: value / total for group, value in strength.items()}
+    strength = np.array([TRUST[group] for group in groups]) * (contrasts * agreement) ** 2
+    return dict(zip(groups, (strength / strength.sum()).tolist(), strict=True))
 
 
 def voted(group: str, affinities: Mapping[str, Array]) -> Array:

@@ -16,7 +16,7 @@ from shapery_retrieval.matching import Match, match_packed
 from shapery_retrieval.packing import PackedLevel, pack_levels, part_distances, whole_arrays
 from shapery_retrieval.patches import Patches, nearest_patches, patches_of
 from shapery_retrieval.ranking import GROUPS, affinity, diffuse, gate, local_scale, local_scales, voted
-from shapery_retrieval.vector import SEGMENTS, PackedGraphs, Vectors, cue_distances, pack, vectors_of
+from shapery_retrieval.vector import SEGMENTS, PackedGraphs, Vectors, cue_distances, neighbour_scales, pack, vectors_of
 
 BLOCK, MOST_MATCHED = 64, 320
 """Shapes are matched part by part in blocks of so many, the most promising first, until a block brings nothing among
@@ -164,10 +164,8 @@ class Searcher:
             order, scores = self._reranked(scores, order)
         best = order[:limit]
         found = PackedGraphs(self._lay(best), self._vectors[best])
-        hits = [
-            Hit(self.ids[i], float(scores[i]), match_packed(packed, 0, found, place, partial=partial, plans="best"))
-            for place, i in enumerate(best.tolist())
-        ]
+        matches = match_packed(packed, 0, found, np.arange(len(best)), partial=partial, plans="best")
+        hits = [Hit(self.ids[i], float(scores[i]), match) for i, match in zip(best.tolist(), matches, strict=True)]
         return Answer(tuple(hits), weights, compared)
 
     def _scores(
@@ -178,7 +176,7 @@ class Searcher:
         What is not matched keeps the score that its vector promises.
         """
         if not self._scales:
-            self._scales |= {cue: local_scales(cue_distances(self._vectors, self._vectors, cue)) for cue in SEGMENTS}
+            self._scales |= {cue: neighbour_scales(self._vectors, cue) for cue in SEGMENTS}
         distances = {cue: cue_distances(query.vectors[0], self._vectors, cue) for cue in SEGMENTS}
         found = {cue: affinity(d, local_scale(d[allowed]), self._scales[cue]) for cue, d in distances.items()}
         groups = {group: voted(group, found) for group in GROUPS}

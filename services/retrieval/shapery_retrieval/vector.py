@@ -16,6 +16,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,7 @@ from numpy.typing import NDArray
 from shapery_contracts.retrieval import VECTOR_DIMENSION
 from shapery_retrieval.arg import Arg
 from shapery_retrieval.packing import PackedLevel, pack_level, pack_levels, part_distances, whole_arrays
+from shapery_retrieval.ranking import local_scales
 from shapery_retrieval.vocabulary import CUES, vocabulary
 
 SIZES = MappingProxyType({"covariance": 48, "quantiles": 48, "wave_words": 24, "views": 111, "parts": 25})
@@ -87,14 +89,33 @@ def cue_distances(query: Vectors, vectors: Vectors, cue: str) -> Array:
 
     For the parts it is an estimate of `shapery_retrieval.packing.part_distances`, which are squares in nature.
     """
+    return _distances(query, vectors, cue, np.float64)
+
+
+def neighbour_scales(vectors: Vectors, cue: str) -> Array:
+    """(n,) local scales by one cue of the neighbourhoods of all shapes; see `shapery_retrieval.ranking.local_scales`.
+
+    In single precision: the distance to a twelfth neighbour is far from none.
+    """
+    return local_scales(_distances(vectors, vectors, cue, np.float32)).astype(np.float64)
+
+
+def _distances(query: Vectors, vectors: Vectors, cue: str, dtype: type[np.floating[Any]]) -> NDArray[Any]:
     segment = SEGMENTS[cue]
-    own, others = query[..., segment].astype(np.float64), vectors[:, segment].astype(np.float64)
-    own_squares, squares = (own**2).sum(axis=-1), (others**2).sum(axis=1)
+    own, others = query[..., segment].astype(dtype), vectors[:, segment].astype(dtype)
+    own_squares, squares = np.square(own).sum(axis=-1), np.square(others).sum(axis=1)
     if cue == "parts":
         # the rests add up, whatever they are of
         own, others = own[..., :-1], others[:, :-1]
-    apart = np.maximum(own_squares[..., None] + squares - 2 * (own @ others.T), 0.0)
-    return np.asarray(apart * vocabulary().parts_unit if cue == "parts" else np.sqrt(apart))
+    apart = own @ others.T
+    apart *= -2
+    apart += own_squares[..., None]
+    apart += squares
+    np.maximum(apart, 0, out=apart)
+    if cue == "parts":
+        apart *= vocabulary().parts_unit
+        return np.asarray(apart)
+    return np.asarray(np.sqrt(apart, out=apart))
 
 
 @cache

@@ -24,11 +24,10 @@ def transport(
     x: tuple, y: tuple, *, alpha: float, epsilon: float, relaxed: bool = False, rounds: int = 60
 ) -> tuple[float, np.ndarray]:
     plan = np.zeros((len(x[0]), len(y[0])), dtype=np.float32)
+    nodes = ((x[1][:, None] - y[1][None]) ** 2).sum(axis=2)
     cost = kernels.transport(
-        x[0], np.ascontiguousarray(x[1].T), (x[1] ** 2).sum(axis=1), x[2],
-        y[0], np.ascontiguousarray(y[1].T), (y[1] ** 2).sum(axis=1), y[2],
-        np.float32(alpha), np.float32(epsilon), 3, rounds, relaxed, plan,
-    )  # fmt: skip
+        nodes, x[0], x[2], y[0], y[2], np.float32(alpha), np.float32(epsilon), 3, rounds, relaxed, plan
+    )
     return cost, plan
 
 
