@@ -7,13 +7,14 @@ surrounded by enhancing voxels, and connected to the seed through more than a th
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from shapery_segmentation import _gate_kernels as kernels
+from shapery_segmentation.labels import fill_enclosed
+from shapery_segmentation.neighborhoods import box_around, connected, within
 from shapery_segmentation.smoothing import gaussian
 
 FloatArray = NDArray[np.float32]
@@ -36,6 +37,17 @@ LEVEL_RANGE = (1.2, 2.25)
 """Bounds of the threshold in units of the calibrated difference: below, normal tissue begins; above, a bright tumor
 would lose the margin that is anything but normal."""
 
+SURROUNDINGS = (2.0, 6.0)
+"""mm from an object at which the shell around it begins, past the border's partial volume, and ends."""
+
+LEAST_CONTRAST_KEPT = 0.85
+"""Share of its contrast that a region must keep when the threshold falls. The weaker parts of a tumor leave the
+contrast to its surroundings as it was, within a tenth; normal tissue that is a little brighter than the rest (bias
+fields that differ between the volumes raise whole lobes) takes a fifth of it away with every step."""
+
+MUCH_MORE = 1.05
+"""Growth of a region, relative, from which it is asked about its contrast."""
+
 _MARGIN = 8
 """Voxels between a region and the border of the box it is worked out in; the density looks 6 mm far."""
 
@@ -54,12 +66,15 @@ class Region:
         Where the surface may move.
     threshold
         In units of the calibrated difference.
+    floor
+        What the threshold must not fall below, because the region would take in what surrounds it.
     """
 
     box: tuple[slice, slice, slice]
     inside: BoolArray
     allowed: BoolArray
     threshold: float
+    floor: float = LEVEL_RANGE[0]
 
 
 def running_threshold(values: NDArray[np.floating]) -> float:
@@ -81,14 +96,30 @@ def dense(enhancing: BoolArray, spacing: float) -> BoolArray:
     return np.asarray(enhancing & (density > LEAST_DENSITY))
 
 
-def within(mask: BoolArray, radius: float) -> BoolArray:
-    """Return the voxels at most `radius` voxels from one of `mask`, itself included."""
-    reach = int(radius)
-    grid = np.stack(np.meshgrid(*(np.arange(-reach, reach + 1),) * 3, indexing="ij"), axis=-1).reshape(-1, 3)
-    offsets = grid[(grid**2).sum(axis=1) <= radius**2].astype(np.int64)
-    out = np.zeros_like(mask)
-    kernels.stamp(np.ascontiguousarray(mask), offsets, out)
-    return out
+def contrast(field: FloatArray, brain: BoolArray, inside: BoolArray, whole: BoolArray, spacing: float) -> float:
+    """Return how far an object stands out from what surrounds it, in robust deviations of the surroundings.
+
+    Parameters
+    ----------
+    field : (I, J, K) float32
+        Calibrated difference.
+    brain, inside, whole : (I, J, K) bool
+        `inside` is the object, at least one voxel; `whole` is that and what it encloses, which surrounds nothing.
+    spacing
+        Edge of a voxel in mm.
+
+    Returns
+    -------
+    Median inside minus median of the shell from 2 to 6 mm around it, over 1.4826 MAD of the shell; infinite where there
+    is no shell or no variation in it.
+    """
+    near, far = (within(whole, radius / spacing) for radius in SURROUNDINGS)
+    around = field[far & ~near & brain]
+    if not len(around):
+        return float("inf")
+    middle = float(np.median(around))
+    deviation = 1.4826 * float(np.median(np.abs(around - middle)))
+    return (float(np.median(field[inside])) - middle) / deviation if deviation > 0 else float("inf")
 
 
 def reach(field: FloatArray, brain: BoolArray, seed: BoolArray, spacing: float, *, rounds: int = 4) -> Region:
@@ -110,8 +141,9 @@ def reach(field: FloatArray, brain: BoolArray, seed: BoolArray, spacing: float, 
     -----
     In turns: threshold from the median of what is inside; dense voxels whose six neighbours enhance too, as far as they
     are connected to the inside; 2.9 mm around them; the enhancing voxels in there that are connected to the inside. The
-    threshold falls as the region takes in weaker parts; the gate keeps it from taking in everything. All this is done
-    in a box around the seed; as soon as the region gets near its end, it begins again in a larger one.
+    threshold falls as the region takes in weaker parts; the gate keeps it from taking in everything, and a step that
+    costs more than 15 % of the contrast to the surroundings is not taken. All this is done in a box around the
+    seed; as soon as the region gets near its end, it begins again in a larger one.
     """
     box = box_around(seed, seed.shape, 3 * _MARGIN)
     while True:
@@ -146,41 +178,34 @@ def _reach_in(
     values, usable, inside = field[box], brain[box], seed[box]
     allowed = inside
     threshold, previous = 0.0, -1
+    last: Region | None = None
+    stood_out: float | None = None
+
+    def stands_out(part: BoolArray) -> float:
+        return contrast(values, usable, part, fill_enclosed(part, spacing) | part, spacing)
+
     faces = ndimage.generate_binary_structure(3, 1)
     for _ in range(rounds):
         threshold = running_threshold(values[inside])
         enhancing = (values > threshold) & usable
         solid = dense(enhancing, spacing) & ndimage.binary_erosion(enhancing, faces)
-        core = _connected(solid, inside)
+        core = connected(solid, inside)
         if not core.any():
             # Too thin for the gate: the seed alone is what there is.
             core = inside & enhancing if (inside & enhancing).any() else inside
         allowed = within(core, REACH / spacing) & usable
-        inside = _connected(enhancing & allowed, inside | core)
+        inside = connected(enhancing & allowed, inside | core)
         count = int(np.count_nonzero(inside))
         if count == 0:
             inside = seed[box]
             break
+        if last is not None and count > MUCH_MORE * previous:
+            before = stands_out(last.inside) if stood_out is None else stood_out
+            stood_out = stands_out(inside)
+            if stood_out < LEAST_CONTRAST_KEPT * before:
+                return replace(last, floor=last.threshold)
         if abs(count - previous) <= 0.002 * count or _near_end(inside, box, brain.shape):
             break
         previous = count
+        last = Region(box, inside, allowed, threshold)
     return Region(box, inside, allowed, threshold)
-
-
-def _connected(mask: BoolArray, start: BoolArray) -> BoolArray:
-    """Return the parts of `mask`, connected through faces, that have a voxel in common with `start`."""
-    labels, count = ndimage.label(mask)
-    hit = np.zeros(count + 1, dtype=np.bool_)
-    hit[labels[start & mask]] = True
-    hit[0] = False
-    return np.asarray(hit[labels])
-
-
-def box_around(mask: BoolArray, shape: tuple[int, ...], margin: int) -> tuple[slice, slice, slice]:
-    """Return the box around `mask` with `margin` voxels on all sides, cut to `shape`; all of it for an empty mask."""
-    bounds = []
-    for axis in range(3):
-        line = np.flatnonzero(mask.any(axis=tuple(a for a in range(3) if a != axis)))
-        bounds.append((int(line[0]), int(line[-1]) + 1) if len(line) else (0, shape[axis]))
-    i, j, k = (slice(max(a - margin, 0), min(b + margin, n)) for (a, b), n in zip(bounds, shape, strict=True))
-    return i, j, k

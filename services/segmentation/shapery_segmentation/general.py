@@ -34,7 +34,8 @@ from shapery_geometry.volume import Volume
 from shapery_segmentation._flood_kernels import flood
 from shapery_segmentation.evolution import Recorder, Scene
 from shapery_segmentation.flow.normal import FlowState, NormalFlowParams, normal_flow
-from shapery_segmentation.gate import REACH, box_around, dense, within
+from shapery_segmentation.gate import REACH, dense
+from shapery_segmentation.neighborhoods import box_around, within
 from shapery_segmentation.objects import THIN_EDGE, Recovered
 from shapery_segmentation.preparation import averaged
 from shapery_segmentation.seeding.ball import seed_ball, surface_of

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from shapery_segmentation import _label_kernels as kernels
-from shapery_segmentation.gate import box_around, within
+from shapery_segmentation.neighborhoods import box_around, within
 
 BoolArray = NDArray[np.bool_]
 

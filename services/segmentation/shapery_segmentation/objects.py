@@ -17,7 +17,7 @@ from shapery_segmentation.brain import Brain
 from shapery_segmentation.calibration import Calibration
 from shapery_segmentation.evolution import Frame, Recorder, Scene
 from shapery_segmentation.flow.normal import FlowState, NormalFlowParams, normal_flow
-from shapery_segmentation.gate import Region, reach
+from shapery_segmentation.gate import LEVEL_RANGE, Region, contrast, reach
 from shapery_segmentation.labels import close_seam, enhancing_part, fill_enclosed
 from shapery_segmentation.seeding.ball import seed_ball, surface_of
 from shapery_segmentation.seeding.candidates import LEAST_WEIGHT, Candidate
@@ -40,6 +40,10 @@ vessels and plexus that pass the other tests have up to 230, tumors 440 and more
 COMPACT = (1.7, 0.12)
 """Centre and width of a step in the spread of an object (see `spread`): tumors have 0.8 to 1.4, trees of sinuses and
 veins 2.4 and more."""
+
+DISTINCT = (2.4, 0.15)
+"""Centre and width of a step in the contrast of an object to its surroundings (see `shapery_segmentation.gate`). Normal
+tissue that a bias field raised has 1.7 to 2.0; the weakest tumors with expert labels have 2.9."""
 
 LEAST_SHARE = 0.15
 """Share of an object that must have evidence of its own; below, what evolved is not what was found."""
@@ -169,16 +173,30 @@ def _confidence(evidence_mm3: float, calibration: Calibration) -> float:
 
 
 def _judge(candidate: Candidate, region: Region, weight: FloatArray, brain: Brain, calibration: Calibration) -> float:
-    """Return the confidence that the region which a candidate reached is a tumor."""
+    """Return the confidence that the region which a candidate reached is a tumor.
+
+    It is the product of what the region is made of, its shape, and how far it stands out: each of these can refuse it
+    by itself, however large it is.
+    """
     own = weight[region.box][region.inside]
     evidence = candidate.evidence_mm3
     if candidate.seeded_by == "user":
         # The seed is a few voxels; what it reached must speak for itself.
         evidence = float(own[own > LEAST_WEIGHT].sum()) * brain.grid.spacing**3
-    core = fill_enclosed(region.inside, brain.grid.spacing) | region.inside
-    compact = 1.0 / (1.0 + np.exp(np.clip((spread(core) - COMPACT[0]) / COMPACT[1], -30.0, 30.0)))
+    spacing = brain.grid.spacing
+    core = fill_enclosed(region.inside, spacing) | region.inside
+    stands_out = contrast(calibration.field[region.box], brain.mask[region.box], region.inside, core, spacing)
     share = min(1.0, float(own.mean()) / LEAST_SHARE)
-    return _confidence(evidence * float(compact) * share, calibration)
+    return (
+        _confidence(evidence, calibration)
+        * share
+        * _logistic((COMPACT[0] - spread(core)) / COMPACT[1])
+        * _logistic((stands_out - DISTINCT[0]) / DISTINCT[1])
+    )
+
+
+def _logistic(x: float) -> float:
+    return float(1.0 / (1.0 + np.exp(-np.clip(x, -30.0, 30.0))))
 
 
 @dataclass(frozen=True, eq=False)
@@ -218,7 +236,10 @@ def flow_start(brain: Brain, calibration: Calibration, region: Region, params: S
         seed=surface_of(ball, to_ball),
         threshold=region.threshold,
         params=NormalFlowParams(
-            edge_lengths=(coarse * edge, edge), curvature_weight=params.smoothing, topology=params.topology
+            edge_lengths=(coarse * edge, edge),
+            curvature_weight=params.smoothing,
+            topology=params.topology,
+            threshold_range=(region.floor, LEVEL_RANGE[1]),
         ),
         point=to_ball[:3, :3] @ start + to_ball[:3, 3],
     )

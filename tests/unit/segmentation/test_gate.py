@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from shapery_segmentation.gate import dense, reach, running_threshold, within
+from shapery_geometry.mask_metrics import intersection_over_union
+from shapery_segmentation.gate import contrast, dense, reach, running_threshold
+from shapery_segmentation.neighborhoods import within
 
 SHAPE = (70, 60, 60)
 INDEX = np.stack(np.meshgrid(*map(np.arange, SHAPE), indexing="ij"), axis=-1)
@@ -82,3 +84,33 @@ def test_reach_keeps_to_the_brain() -> None:
     inside = np.zeros(SHAPE, bool)
     inside[region.box] = region.inside
     np.testing.assert_array_equal(inside, brain)
+
+
+def tissue(level: float, seed: int = 0) -> np.ndarray:
+    """Normal tissue with a deviation of 0.65 about `level`, mottled."""
+    noise = ndimage.gaussian_filter(np.random.default_rng(seed).normal(size=SHAPE), 1.5)
+    return np.asarray(level + 0.65 * noise / noise.std(), np.float32)
+
+
+def test_reach_takes_in_weak_margins_but_no_bright_tissue() -> None:
+    tumor, brain, seed = ball((35, 30, 30), 11), np.ones(SHAPE, bool), ball((35, 30, 30), 3)
+    strength = np.clip(6.4 - 0.4 * np.linalg.norm(INDEX - np.array((35, 30, 30)), axis=-1), 1.8, 4.6)
+    dark = reach(np.where(tumor, strength, tissue(-0.9)).astype(np.float32), brain, seed, 1.0)
+    assert intersection_over_union(dark.inside, tumor[dark.box]) > 0.9
+    assert dark.floor == 1.2
+    # A bias field that differs between the volumes raises a lobe; the threshold that falls must not reach it.
+    bright = reach(np.where(tumor, strength, tissue(0.95)).astype(np.float32), brain, seed, 1.0)
+    assert intersection_over_union(bright.inside, tumor[bright.box]) > 0.75
+    assert bright.floor == bright.threshold > 1.2
+
+
+def test_contrast_tells_objects_from_the_tail_of_normal_tissue() -> None:
+    field, brain, part = tissue(0.0), np.ones(SHAPE, bool), ball((35, 30, 30), 8)
+    assert contrast(np.where(part, field + 5.0, field), brain, part, part, 1.0) > 4.0
+    tail = field > 1.2
+    assert contrast(field, brain, tail, tail, 1.0) < 3.0
+    assert contrast(np.zeros(SHAPE, np.float32), brain, part, part, 1.0) == np.inf
+    # What the object encloses is no surrounding.
+    hollow = part & ~ball((35, 30, 30), 5)
+    field = np.where(hollow, 5.0, np.where(part, -9.0, field)).astype(np.float32)
+    assert contrast(field, brain, hollow, part, 1.0) > contrast(field, brain, hollow, hollow, 1.0)

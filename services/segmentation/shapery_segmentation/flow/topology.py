@@ -18,7 +18,7 @@ from scipy import ndimage
 from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.rasterize import rasterize
 from shapery_geometry.volume import Volume
-from shapery_segmentation.gate import within
+from shapery_segmentation.neighborhoods import within
 from shapery_segmentation.seeding.ball import surface_of
 
 BoolArray = NDArray[np.bool_]

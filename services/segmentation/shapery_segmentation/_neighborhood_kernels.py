@@ -1,4 +1,4 @@
-"""Loops of `shapery_segmentation.gate`."""
+"""Loops of `shapery_segmentation.neighborhoods`."""
 
 from __future__ import annotations
 
