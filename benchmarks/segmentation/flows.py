@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from shapery_geometry.mesh import TriangleMesh
 from shapery_segmentation import objects
+from shapery_segmentation.flow.params import NormalFlowParams
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,7 @@ class FlowCall:
     affine: NDArray[np.float64]
     seed: TriangleMesh
     threshold: float
+    params: NormalFlowParams
     cpu_seconds: float
     watched_seconds: float
     iterations: int
@@ -57,6 +59,7 @@ def recorded(**changes: Any) -> Iterator[list[FlowCall]]:
                 affine=affine,
                 seed=seed,
                 threshold=options["threshold"],
+                params=replace(params, **changes),
                 # Keeping frames to be watched is no part of the flow.
                 cpu_seconds=spent - watched,
                 watched_seconds=spent,
