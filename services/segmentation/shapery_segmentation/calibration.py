@@ -7,6 +7,7 @@ one is fitted to the other first, and the difference is measured in units of the
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,8 +32,14 @@ SMOOTHING = 0.6
 TRIM = 2.5
 """Residuals beyond this many deviations (vessels, the tumor itself, borders) take no part in the fit."""
 
-SAMPLES = 100_000
-"""Voxels the fit is made from; more change its third digit."""
+DRIFT_TRIM = 2.0
+"""The same for the fit of the drift: enhancement that is left in would be taken for it."""
+
+DRIFT_TERMS = ((0,), (1,), (2,), (0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+"""Axes whose coordinates are multiplied in each term of the drift: a polynomial of second order, as coils cause it."""
+
+SAMPLES, DRIFT_SAMPLES = 100_000, 20_000
+"""Voxels the fits are made from; more change their third digit."""
 
 TISSUE_PERCENTILE = 65.0
 """Without a volume before contrast: percentile of the brain that counts as zero. It lies in the brighter of the two
@@ -72,7 +79,7 @@ class Calibration:
     subtracted: bool
 
 
-def calibrate(brain: Brain, post: Volume, pre: Volume | None) -> Calibration:
+def calibrate(brain: Brain, post: Volume, pre: Volume | None, *, without_drift: bool = False) -> Calibration:
     """Return the calibrated difference on the brain's working grid.
 
     Parameters
@@ -81,6 +88,9 @@ def calibrate(brain: Brain, post: Volume, pre: Volume | None) -> Calibration:
         Grid and mask.
     post, pre
         The volumes after and before contrast, on any grids of one frame.
+    without_drift
+        Whether a smooth drift between the two volumes is taken out first. It shows small tumors that the drift hides,
+        and raises the brain's rim, which is grey and less bright, with its veins and dura: good for a second look.
 
     Raises
     ------
@@ -116,6 +126,12 @@ def calibrate(brain: Brain, post: Volume, pre: Volume | None) -> Calibration:
     # A tumor brightens after contrast only; a falling fit means that the volumes are unlike, and must not be amplified.
     share = SUBTRACTED * max(slope, 0.0)
     residual = y if before is None else y - share * before.ravel()[chosen]
+    drift = np.zeros(len(DRIFT_TERMS))
+    if before is not None and without_drift:
+        terms = _drift_terms(chosen, after.shape)
+        every = max(1, len(terms) // DRIFT_SAMPLES)
+        drift = trimmed_drift(terms[::every], residual[::every])
+        residual = residual - terms @ drift
     middle = float(np.median(residual))
     noise = MAD_TO_SIGMA * float(np.median(np.abs(residual - middle)))
     if before is None:
@@ -128,6 +144,8 @@ def calibrate(brain: Brain, post: Volume, pre: Volume | None) -> Calibration:
         )
     with np.errstate(invalid="ignore"):
         difference = after - np.float32(share) * before if before is not None else after
+        if drift.any():
+            difference -= _drift_on(after.shape, drift)
         field = (difference - np.float32(middle)) / np.float32(noise)
     field[~mask] = 0.0
     sigma = SMOOTHING / brain.grid.spacing
@@ -143,6 +161,43 @@ def calibrate(brain: Brain, post: Volume, pre: Volume | None) -> Calibration:
         # After contrast a tumor is bright itself: that says nothing about its tissue.
         np.minimum(normal, 0.0, out=normal)
     return Calibration(field, normal, slope, offset, noise, before is not None)
+
+
+def trimmed_drift(terms: NDArray[np.float64], residual: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the weights (k,) of smooth terms (n, k) that most of the residuals (n,) follow, but for a constant.
+
+    Fitted and trimmed in ten rounds, as in `trimmed_fit`.
+    """
+    columns = np.hstack((terms, np.ones((len(terms), 1))))
+    weights: NDArray[Any] = np.zeros(columns.shape[1])
+    keep = np.ones(len(residual), dtype=np.bool_)
+    for _ in range(10):
+        part = columns[keep]
+        weights = np.linalg.lstsq(part.T @ part, part.T @ residual[keep], rcond=None)[0]
+        left = residual - columns @ weights
+        middle = float(np.median(left))
+        spread = MAD_TO_SIGMA * float(np.median(np.abs(left - middle)))
+        if spread == 0:
+            break
+        keep = np.abs(left - middle) < DRIFT_TRIM * spread
+    return np.asarray(weights[:-1])
+
+
+def _drift_terms(chosen: NDArray[np.intp], shape: tuple[int, ...]) -> NDArray[np.float64]:
+    """Return the terms (n, k) of the drift at voxels given by their flat index; coordinates run from −1 to 1."""
+    index = np.unravel_index(chosen, shape)
+    place = [2.0 * i / max(n - 1, 1) - 1.0 for i, n in zip(index, shape, strict=True)]
+    return np.stack([np.prod([place[axis] for axis in term], axis=0) for term in DRIFT_TERMS], axis=1)
+
+
+def _drift_on(shape: tuple[int, ...], weights: NDArray[np.float64]) -> FloatArray:
+    """Return the drift on a whole grid."""
+    place = np.meshgrid(*(np.linspace(-1.0, 1.0, n, dtype=np.float32) for n in shape), indexing="ij", sparse=True)
+    out = np.zeros(shape, dtype=np.float32)
+    for term, weight in zip(DRIFT_TERMS, weights, strict=True):
+        part = np.float32(weight) * place[term[0]]
+        out += part * place[term[1]] if len(term) == 2 else part
+    return out
 
 
 def evened(image: FloatArray, mask: BoolArray, spacing: float) -> FloatArray:

@@ -239,8 +239,8 @@ def _tumors(
                 "check the result, or give a seed."
             )
 
-    with run.stage("evolve"):
-        found = recover(
+    def recovered() -> list[Recovered]:
+        return recover(
             brain,
             calibration,
             candidates,
@@ -250,6 +250,17 @@ def _tumors(
             on_progress=run.evolving,
             scene=run.scene,
         )
+
+    with run.stage("evolve"):
+        found = recovered()
+        if not found and not params.seeds and pre is not None:
+            # A second look: what is small and weak may be hidden by a drift between the volumes.
+            calibration = calibrate(brain, post, pre, without_drift=True)
+            search = find_candidates(
+                calibration, brain.mask, brain.grid.spacing, plane=search.plane, check_cancelled=run.check
+            )
+            candidates = list(search.candidates)
+            found = recovered()
         if not found and not params.seeds:
             warnings.append("Nothing was found that enhances like a tumor; a seed can be given to look closer.")
         elif not found:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy import ndimage
 
 from shapery_contracts.errors import InvalidInput
 from shapery_geometry.volume import Volume
@@ -64,6 +65,24 @@ def test_field_is_zero_in_normal_brain_and_high_in_the_rim(head: HeadPhantom) ->
     assert np.median(np.abs(calibration.field[brain.mask])) < 1.0
     assert (calibration.field[~brain.mask] <= calibration.field.max() / 2).all()
     assert calibration.subtracted
+
+
+def test_a_drift_between_the_volumes_is_taken_out_where_that_is_asked_for(head: HeadPhantom) -> None:
+    brain = find_brain(head.pre, head.post)
+    plain = calibrate(brain, head.post, head.pre)
+    u, v, w = np.meshgrid(*(np.linspace(-1, 1, n) for n in head.post.shape), indexing="ij", sparse=True)
+    drifted = head.post.with_data(head.post.data + plain.noise * (2.0 * u - v * w + 1.5 * v * v))
+    rim = head.truth.data == 1
+    rim = (brain.grid.sample(head.truth.with_data(rim.astype(np.float32))) > 0.5) & brain.mask
+    normal = ndimage.binary_erosion(brain.mask & ~ndimage.binary_dilation(rim, iterations=12), iterations=3)
+
+    def parted(field: np.ndarray) -> float:
+        return float((np.median(field[rim]) - np.median(field[normal])) / field[normal].std())
+
+    once, twice = (calibrate(brain, post, head.pre, without_drift=True) for post in (head.post, drifted))
+    assert np.corrcoef(once.field[normal], twice.field[normal])[0, 1] > 0.98
+    assert parted(twice.field) > 1.2 * parted(calibrate(brain, drifted, head.pre).field)
+    assert twice.noise < 0.9 * calibrate(brain, drifted, head.pre).noise
 
 
 def test_voxels_that_are_not_finite_do_not_spread(head: HeadPhantom) -> None:

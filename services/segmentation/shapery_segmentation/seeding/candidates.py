@@ -85,6 +85,7 @@ def find_candidates(
     brain: BoolArray,
     spacing: float,
     *,
+    plane: SymmetryPlane | None = None,
     limit: int = 16,
     check_cancelled: Callable[[], None] = lambda: None,
 ) -> Search:
@@ -97,24 +98,26 @@ def find_candidates(
     brain : (I, J, K) bool
     spacing
         Edge of a voxel in mm.
+    plane
+        Between the halves of the brain, where it is known; by default it is looked for.
     limit
         How many are returned at the most.
     check_cancelled
         Called between the steps.
     """
     field = calibration.field
-    plane, octree = both(
-        lambda: find_symmetry(calibration.before, brain, spacing),
+    middle, octree = both(
+        lambda: find_symmetry(calibration.before, brain, spacing) if plane is None else plane,
         lambda: search_octree(field, brain, spacing, SEED_THRESHOLD),
     )
     check_cancelled()
-    weight = evidence(field, calibration.before, brain, plane, spacing)
+    weight = evidence(field, calibration.before, brain, middle, spacing)
     check_cancelled()
     peak = octree.on_grid((field.shape[0], field.shape[1], field.shape[2]))
     solid = dense((field > SEED_THRESHOLD) & brain, spacing) & (weight > LEAST_WEIGHT) & (peak > 0)
     labels, count = ndimage.label(solid, np.ones((3, 3, 3)))
     if count == 0:
-        return Search((), weight, octree, plane)
+        return Search((), weight, octree, middle)
     numbers = np.arange(1, count + 1)
     own = np.flatnonzero(labels)
     masses = np.bincount(labels.ravel()[own], weight.ravel()[own])[1:] * spacing**3
@@ -131,7 +134,7 @@ def find_candidates(
         voxels[boxes[n]] = part
         found.append(Candidate(voxels, float(masses[n]) * clear, float(np.median(peak[boxes[n]][part])), median))
     found.sort(key=lambda candidate: -candidate.evidence_mm3)
-    return Search(tuple(found), weight, octree, plane)
+    return Search(tuple(found), weight, octree, middle)
 
 
 def first_threshold(peak: float) -> float:
