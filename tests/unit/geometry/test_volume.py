@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from shapery_contracts.errors import InvalidInput
+from shapery_geometry import _resampling_kernels
 from shapery_geometry.volume import Reorientation, Volume
 from tests.support.volumes import ORIENTATIONS, all_orientations, oblique_rotation, phantom, stored_as
 
@@ -227,6 +228,18 @@ class TestResampling:
         assert value == pytest.approx((1 + 1 + 5) / 3)
         affine[:3, 3] = (0.8, 0.0, 0.0)
         assert np.isnan(volume.resampled_to(Volume(np.zeros((1, 1, 1)), affine)).data[0, 0, 0])
+
+    @pytest.mark.parametrize("scale", [(1 / 3, 0.4, 0.5), (-0.7, 1.9, 1.0)])
+    def test_parallel_axes_take_a_shorter_way_to_the_same_values(self, scale: tuple[float, float, float]) -> None:
+        rng = np.random.default_rng(3)
+        data = rng.normal(size=(9, 7, 8))
+        data[rng.random(data.shape) < 0.1] = np.nan
+        offset = np.array([4.6, -0.4, 0.0])
+        way, shorter = np.empty((14, 12, 20)), np.empty((14, 12, 20))
+        _resampling_kernels.linear(data, np.diag(scale), offset, way, -9.0)
+        _resampling_kernels.linear_aligned(data, np.array(scale), offset, shorter, -9.0)
+        assert (way == -9.0).any()
+        np.testing.assert_allclose(shorter, way, rtol=0, atol=1e-12)
 
     def test_labels_keep_their_type_and_get_no_new_values(self) -> None:
         labels = Volume(np.array([0, 4, 4, 0, 1, 0, 4, 1], np.uint8).reshape(2, 2, 2), np.eye(4))
