@@ -69,7 +69,7 @@ def linear(data: Array, matrix: FloatArray, offset: FloatArray, out: Array, fill
 
 @njit(nogil=True)
 def _cell(place: float, count: int) -> tuple[int, float, bool]:
-    """Return the first voxel of the cell around `place` along an axis, the share of the next one, and if it is there."""
+    """Return the first voxel of the cell around `place`, the share of the next along the axis, and if it is there."""
     inside = -0.5 <= place <= count - 0.5
     place = min(max(place, 0.0), count - 1.0)
     first = min(int(place), max(count - 2, 0))
