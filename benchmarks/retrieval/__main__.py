@@ -1,6 +1,7 @@
-"""``python -m benchmarks.retrieval [--meshes N] [--queries N]``: writes results/retrieval.{json,md} and two plots.
+"""``python -m benchmarks.retrieval [PART…]``: writes results/retrieval.{json,md} and two plots.
 
-Features are kept in a folder outside the repository (``SHAPERY_BENCH_CACHE``), so that a second run costs seconds.
+Each part is written as soon as it is measured, and those not asked for are kept, so that it goes on where it was
+stopped. Features are kept in a folder outside the repository (``SHAPERY_BENCH_CACHE``): a second run costs seconds.
 """
 
 from __future__ import annotations
@@ -8,18 +9,24 @@ from __future__ import annotations
 import argparse
 import json
 import os
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from benchmarks.retrieval.correspondence import correspondence
 from benchmarks.retrieval.costs import index_profile, query_cost
-from benchmarks.retrieval.features import Features, features_of, part_of
+from benchmarks.retrieval.features import Features, features_of
 from benchmarks.retrieval.growth import growth
 from benchmarks.retrieval.measures import class_matrix, measure, per_query, precision_recall, relevance
+from benchmarks.retrieval.parts import partial_queries
+from benchmarks.retrieval.peers import peer_matrices, peers_of
 from benchmarks.retrieval.plots import draw_class_matrix, draw_precision_recall
+from benchmarks.retrieval.report import report
 from benchmarks.retrieval.scores import all_methods
-from benchmarks.retrieval.variants import VARIANTS, cropped
+from benchmarks.retrieval.variants import VARIANTS
 from shapery_contracts.errors import UserError
 from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.mesh_io import read_mesh
@@ -33,16 +40,14 @@ CLASSES = (
     "human", "cup", "glasses", "airplane", "ant", "chair", "octopus", "table", "teddy", "hand",
     "plier", "fish", "bird", "spring", "armadillo", "bust", "mech", "bearing", "vase", "fourleg",
 )  # fmt: skip
+PER_CLASS = 20
 POSES = ("cat-poses", "lion-poses", "horse-poses", "face-poses", "crane", "pdance", "pcow", "chickenCrossing")
-SHOWN = ("D2", "quantiles of the HKS", "FV1, hierarchy", "FV2, hierarchy", "ARG alone (parts and relations)",
-         "whole score, pure query", "whole score, re-ranked")  # fmt: skip
+FRAMES = 9
+PURE, RERANKED, PARTS = "whole score, pure query", "whole score, re-ranked", "ARG alone (parts and relations)"
+SHOWN = ("D2", "spherical harmonics", "aligned depth buffers, Fourier", "bag of 64 HKS words", "FV1, hierarchy",
+         "FV2, hierarchy", PARTS, PURE, RERANKED)  # fmt: skip
 
-
-def watertight(per_class: int) -> tuple[list[Features], np.ndarray, list[int]]:
-    """Return the features of the first shapes of each class, their classes, and their numbers."""
-    numbers = [20 * c + i + 1 for c in range(20) for i in range(per_class)]
-    features = [features_of(f"{n}.ply", mesh_of(n)) for n in numbers]
-    return features, np.array([(n - 1) // 20 for n in numbers]), numbers
+Found = dict[str, Any]
 
 
 def mesh_of(number: int) -> TriangleMesh:
@@ -50,34 +55,92 @@ def mesh_of(number: int) -> TriangleMesh:
     return read_mesh(DATA / "meshes" / "watertight" / f"{number}.ply")
 
 
-def poses(per_set: int) -> tuple[list[Features], np.ndarray]:
-    """Return features of frames of the motion sets: one class per set, all non-rigid."""
-    features, labels = [], []
+NUMBERS = list(range(1, PER_CLASS * len(CLASSES) + 1))
+LABELS = np.repeat(np.arange(len(CLASSES)), PER_CLASS)
+
+
+@cache
+def watertight() -> list[Features]:
+    """Return the features of all shapes."""
+    return [features_of(f"{n}.ply", mesh_of(n)) for n in NUMBERS]
+
+
+@cache
+def posed_meshes() -> tuple[list[TriangleMesh], np.ndarray]:
+    """Return frames of the motion sets: one class per set, all non-rigid."""
+    meshes, labels = [], []
     for label, name in enumerate(POSES):
         with np.load(DATA / "motion" / f"{name}.npz") as stored:
             vertices, faces = stored["vertices"], stored["faces"]
-        for frame in np.unique(np.linspace(0, len(vertices) - 1, per_set).astype(int)):
-            features.append(features_of(f"{name} {frame}", TriangleMesh(vertices[frame], faces)))
+        for frame in np.unique(np.linspace(0, len(vertices) - 1, FRAMES).astype(int)):
+            meshes.append(TriangleMesh(vertices[frame], faces))
             labels.append(label)
-    return features, np.array(labels)
+    return meshes, np.array(labels)
 
 
-def table(features: list[Features], labels: np.ndarray) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+@cache
+def posed() -> list[Features]:
+    """Return the features of the frames."""
+    return [features_of(f"frame {i}", mesh) for i, mesh in enumerate(posed_meshes()[0])]
+
+
+def measured(features: list[Features], labels: np.ndarray) -> tuple[Found, dict[str, np.ndarray]]:
     """Measure every method."""
     matrices = all_methods(features)
     return {name: vars(measure(scores, labels)) for name, scores in matrices.items()}, matrices
 
 
-def robustness(features: list[Features], labels: np.ndarray, numbers: list[int], queries: int) -> dict[str, Any]:
-    """Search with worn versions of some shapes, the shapes themselves left out of the bank."""
-    bank = {str(n): item.arg for n, item in zip(numbers, features, strict=True)}
-    label_of = dict(zip(bank, labels.tolist(), strict=True))
+def tables() -> Found:
+    """Table 4.1, Figs 4.8 and 4.9: every method on the watertight set, beside peers, and on halves of it by classes."""
+    features = watertight()
+    _, matrices = measured(features, LABELS)
+    peers = peer_matrices([peers_of(mesh_of(n)) for n in NUMBERS])
+    matrices = {"D2": matrices["D2"], **peers, **matrices}
+    curves = {name: precision_recall(relevance(matrices[name], LABELS)) for name in SHOWN}
+    draw_precision_recall(curves, RESULTS / "retrieval_precision_recall.png")
+    draw_class_matrix(class_matrix(matrices[PURE], LABELS), CLASSES, RESULTS / "retrieval_classes.png")
+    by_class = {
+        key: {
+            name: float(per_query(relevance(matrices[key], LABELS))["ft"][c == LABELS].mean())
+            for c, name in enumerate(CLASSES)
+        }
+        for key in (PARTS, PURE, RERANKED)
+    }
+    moving = np.isin([CLASSES[label] for label in LABELS], (
+        "human", "glasses", "ant", "octopus", "teddy", "hand", "plier", "spring", "armadillo", "fourleg",
+    ))  # fmt: skip
+    splits = {}
+    for title, keep in {
+        "classes 1, 3, 5, …": LABELS % 2 == 0,
+        "classes 2, 4, 6, …": LABELS % 2 == 1,
+        "the ten classes that bend at joints": moving,
+        "the other ten classes": ~moving,
+        "five shapes per class": np.arange(len(LABELS)) % PER_CLASS < 5,
+    }.items():
+        found = measured([f for f, use in zip(features, keep, strict=True) if use], LABELS[keep])[0]
+        splits[title] = {name: found[name] for name in (PARTS, PURE, RERANKED)}
+    return {
+        "watertight": {name: vars(measure(scores, LABELS)) for name, scores in matrices.items()},
+        "first_tier_by_class": by_class,
+        "splits": splits,
+        "arg_kilobytes": float(np.mean([len(item.arg.to_bytes()) for item in features])) / 1000,
+    }
+
+
+def poses() -> Found:
+    """Banks of bodies that move."""
+    return {"poses": measured(posed(), posed_meshes()[1])[0]}
+
+
+def robustness() -> Found:
+    """Search with worn versions of two shapes of each class, the shapes themselves left out of the bank."""
+    bank = {str(n): item.arg for n, item in zip(NUMBERS, watertight(), strict=True)}
+    label_of = dict(zip(bank, LABELS.tolist(), strict=True))
     searcher = Searcher.of(bank)
-    chosen = numbers[:: max(1, len(numbers) // queries)]
-    rows: dict[str, Any] = {}
+    rows: Found = {}
     for name, wear in {"as they are": lambda mesh, _rng: mesh, **VARIANTS}.items():
         relevant, refused = [], 0
-        for number in chosen:
+        for number in NUMBERS[::10]:
             try:
                 arg = features_of(f"{number}, {name}", wear(mesh_of(number), np.random.default_rng(number))).arg
             except UserError:
@@ -85,134 +148,79 @@ def robustness(features: list[Features], labels: np.ndarray, numbers: list[int],
                 continue
             hits = searcher.search(arg, limit=len(bank), exclude=str(number)).hits
             relevant.append([label_of[hit.shape_id] == label_of[str(number)] for hit in hits])
-        found = per_query(np.array(relevant))
-        row = {key: float(values.mean()) for key, values in found.items()}
+        row = {key: float(values.mean()) for key, values in per_query(np.array(relevant)).items()}
         rows[name] = {**row, "queries": len(relevant), "refused": refused}
-    return rows
+        print(name, rows[name], flush=True)
+    return {"robustness": rows}
 
 
-def partial_queries(features: list[Features], labels: np.ndarray, numbers: list[int], queries: int) -> dict[str, Any]:
-    """Search with parts of some shapes, cut off by a random plane; the shapes themselves are left out of the bank."""
-    bank = {str(n): item.arg for n, item in zip(numbers, features, strict=True)}
-    label_of = dict(zip(bank, labels.tolist(), strict=True))
-    searcher = Searcher.of(bank)
-    chosen = numbers[:: max(1, len(numbers) // queries)]
-    rows: dict[str, Any] = {}
-    for share in (0.7, 0.5, 0.3):
-        relevant = []
-        for number in chosen:
-            arg, hypotheses = part_of(cropped(share)(mesh_of(number), np.random.default_rng(number)))
-            answer = searcher.search(arg, limit=len(bank), exclude=str(number), partial=True, hypotheses=hypotheses)
-            relevant.append([label_of[hit.shape_id] == label_of[str(number)] for hit in answer.hits])
-        measured = per_query(np.array(relevant))
-        rows[f"{share:.0%} of the surface"] = {key: float(values.mean()) for key, values in measured.items()}
-        print(share, rows[f"{share:.0%} of the surface"], flush=True)
-    return rows
+def parts() -> Found:
+    """Parts of shapes as queries: of the set that the features of patches were chosen on, of others, and of poses."""
+    bank = {f"{n:03d}": item.arg for n, item in zip(NUMBERS, watertight(), strict=True)}
+    meshes, labels = posed_meshes()
+    frames = {f"{i:03d}": item.arg for i, item in enumerate(posed())}
+    queries = {n - 1: mesh_of(n) for n in NUMBERS}
+    others = [place for place in range(len(NUMBERS)) if place % 10 == 5]
+    return {
+        "partial": {
+            "forty shapes that nothing was chosen on": partial_queries(bank, LABELS, queries, others, 1000),
+            "two frames of each motion": partial_queries(
+                frames, labels, dict(enumerate(meshes)), list(range(2, len(meshes), FRAMES // 2)), 0
+            ),
+            "forty shapes that features of patches were chosen on": partial_queries(
+                bank, LABELS, queries, list(range(0, len(NUMBERS), 10)), 1
+            ),
+        }
+    }
+
+
+def costs() -> Found:
+    """CPU seconds of indexing by stage, and of queries."""
+    profile = index_profile([mesh_of(n) for n in NUMBERS[::40]])
+    return {"index_cpu_seconds": profile, "query_cpu_seconds": query_cost(watertight())}
+
+
+def bank_growth() -> Found:
+    """Search in banks of a hundred to a million shapes."""
+    return {"growth": growth([item.arg for item in watertight()], [10**k for k in range(2, 7)])}
+
+
+def on_pgvector() -> Found:
+    """Candidates by pgvector."""
+    from benchmarks.retrieval.postgres import on_postgres
+
+    return {"postgres": on_postgres([item.arg for item in watertight()], 100_000)}
+
+
+PARTS_OF_IT: dict[str, Callable[[], Found]] = {
+    "tables": tables,
+    "poses": poses,
+    "robustness": robustness,
+    "parts": parts,
+    "correspondence": lambda: {"correspondence": correspondence(DATA / "motion")},
+    "costs": costs,
+    "growth": bank_growth,
+    "postgres": on_pgvector,
+}
 
 
 def main() -> None:
     """Measure and write."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--meshes", type=int, default=20, help="shapes per class of the watertight set")
-    parser.add_argument("--poses", type=int, default=9, help="frames per motion set")
-    parser.add_argument("--queries", type=int, default=20, help="shapes that are worn")
-    parser.add_argument("--growth", type=int, default=5, help="the largest bank has ten to this power shapes")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("parts", nargs="*", metavar="PART", help=f"of {', '.join(PARTS_OF_IT)}; by default all")
     options = parser.parse_args()
+    unknown = set(options.parts) - set(PARTS_OF_IT)
+    if unknown:
+        parser.error(f"there is no part {', '.join(sorted(unknown))}")
     RESULTS.mkdir(exist_ok=True)
+    path = RESULTS / "retrieval.json"
     warm()
-    features, labels, numbers = watertight(options.meshes)
-    found, matrices = table(features, labels)
-    names = CLASSES
-    curves = {name: precision_recall(relevance(matrices[name], labels)) for name in SHOWN}
-    draw_precision_recall(curves, RESULTS / "retrieval_precision_recall.png")
-    pure = matrices["whole score, pure query"]
-    draw_class_matrix(class_matrix(pure, labels), names, RESULTS / "retrieval_classes.png")
-    by_class = {
-        key: {
-            name: [float(per_query(relevance(matrices[key], labels))["ft"][labels == c].mean())]
-            for c, name in enumerate(names)
-        }
-        for key in ("ARG alone (parts and relations)", "whole score, pure query", "whole score, re-ranked")
-    }
-    even, odd = np.isin(labels, np.unique(labels)[::2]), np.isin(labels, np.unique(labels)[1::2])
-    splits = {
-        title: table([f for f, use in zip(features, keep, strict=True) if use], labels[keep])[0]
-        for title, keep in (("classes 1, 3, 5, …", even), ("classes 2, 4, 6, …", odd))
-    }
-    few = np.array([(n - 1) % 20 < 5 for n in numbers])
-    splits["five shapes per class"] = table([f for f, use in zip(features, few, strict=True) if use], labels[few])[0]
-    result: dict[str, Any] = {
-        "watertight": found,
-        "first_tier_by_class": by_class,
-        "splits": splits,
-        "arg_kilobytes": float(np.mean([len(item.arg.to_bytes()) for item in features])) / 1000,
-    }
-    if options.poses:
-        result["poses"] = table(*poses(options.poses))[0]
-    if options.queries:
-        result["robustness"] = robustness(features, labels, numbers, options.queries)
-        result["partial"] = partial_queries(features, labels, numbers, 2 * options.queries)
-    result["index_cpu_seconds"] = index_profile([mesh_of(n) for n in numbers[:: max(1, len(numbers) // 10)]])
-    result["query_cpu_seconds"] = query_cost(features)
-    result["growth"] = growth(features, [10**k for k in range(2, options.growth + 1)])
-
-    (RESULTS / "retrieval.json").write_text(json.dumps(result, indent=2))
-    (RESULTS / "retrieval.md").write_text(report(result, len(features)))
-    print((RESULTS / "retrieval.md").read_text())
-
-
-def report(result: dict[str, Any], count: int) -> str:
-    """Return the results as Markdown."""
-    head = "| method | NN | FT | ST | mAP | DCG |\n|---|---|---|---|---|---|"
-
-    def rows(found: dict[str, Any]) -> list[str]:
-        return [
-            f"| {name} | " + " | ".join(f"{row[key]:.3f}" for key in ("nn", "ft", "st", "map", "dcg")) + " |"
-            for name, row in found.items()
-        ]
-
-    lines = [f"# Retrieval: {count} watertight models, leave one out", "", head, *rows(result["watertight"])]
-    lines += ["", "FT is the precision where it equals recall. The dissertation's Table 4.1: FV1 0.600, FV2 0.628."]
-    for title in ("retrieval_precision_recall", "retrieval_classes"):
-        lines += ["", f"![{title}]({title}.png)"]
-    for title, found in result["splits"].items():
-        lines += ["", f"## {title[0].upper()}{title[1:]}", "", head, *rows(found)]
-    if "poses" in result:
-        lines += ["", "## Poses: every class is one moving body", "", head, *rows(result["poses"])]
-    if "robustness" in result:
-        lines += ["", "## Worn queries against the bank as it is", "", head, *rows(result["robustness"])]
-    if "partial" in result:
-        lines += [
-            "",
-            "## Parts, cut off by a random plane, as queries of unknown size",
-            "",
-            head,
-            *rows(result["partial"]),
-        ]
-    classes = result["first_tier_by_class"]
-    lines += ["", "## First tier by class", "", "| class | " + " | ".join(classes) + " |", "|---" * 4 + "|"]
-    for name in next(iter(classes.values())):
-        lines.append(f"| {name} | " + " | ".join(f"{values[name][0]:.2f}" for values in classes.values()) + " |")
-    lines += ["", "## Cost in CPU seconds", "", "| | s |", "|---|---|"]
-    lines += [f"| indexing: {name} | {seconds:.3f} |" for name, seconds in result["index_cpu_seconds"].items()]
-    lines += [f"| bank of {count}: {name} | {seconds:.4f} |" for name, seconds in result["query_cpu_seconds"].items()]
-    lines += ["", f"A graph takes {result['arg_kilobytes']:.1f} kB.", "", "## Growth", ""]
-    stages = ("vector", "candidates", "match", "query")
-    lines += [
-        "CPU seconds of a query in a bank of real graphs moved to fill it, and the share of the twenty best of a search"
-    ]
-    lines += ["in which every shape is matched part by part.", ""]
-    lines += [f"| shapes | {' | '.join(stages)} | matched | kept of exhaustive | vectors, MiB |", "|---" * 8 + "|"]
-    for row in result["growth"]:
-        costs = " | ".join(f"{row[stage]:.4f}" for stage in stages)
-        rest = f"{row['compared']:.0f} | {row['agreement']:.3f} | {row['vector_megabytes']:.1f}"
-        lines.append(f"| {row['size']} | {costs} | {rest} |")
-    if "growth_of_vectors" not in result:
-        return "\n".join(lines) + "\n"
-    vectors = result["growth_of_vectors"]
-    lines += ["", f"Candidates alone among {vectors['size']} vectors: {vectors['candidates']:.3f} s of CPU, "]
-    lines[-1] += f"{vectors['megabytes']:.0f} MiB."
-    return "\n".join(lines) + "\n"
+    for name in options.parts or PARTS_OF_IT:
+        found = PARTS_OF_IT[name]()
+        known = json.loads(path.read_text()) if path.exists() else {}
+        path.write_text(json.dumps({**known, **found}, indent=1) + "\n")
+        (RESULTS / "retrieval.md").write_text(report({**known, **found}))
+        print(f"{name} is measured", flush=True)
 
 
 if __name__ == "__main__":

@@ -44,6 +44,17 @@ def cropped(share: float) -> Variant:
     return cut
 
 
+def remeshed(mesh: TriangleMesh, _rng: np.random.Generator) -> TriangleMesh:
+    """Put other vertices on the same surface, by isotropic remeshing."""
+    import pymeshlab
+
+    held = pymeshlab.MeshSet()
+    held.add_mesh(pymeshlab.Mesh(mesh.vertices, mesh.faces))
+    held.meshing_isotropic_explicit_remeshing(iterations=4, targetlen=pymeshlab.PercentageValue(1.5))
+    found = held.current_mesh()
+    return repair(TriangleMesh(found.vertex_matrix(), found.face_matrix())).mesh
+
+
 def holes(mesh: TriangleMesh, rng: np.random.Generator) -> TriangleMesh:
     """Punch five holes of one percent of the surface each."""
     middles = mesh.corners.mean(axis=1)
@@ -60,5 +71,7 @@ VARIANTS: dict[str, Variant] = {
     "half of the faces": fewer(0.5),
     "a quarter of the faces": fewer(0.25),
     "an eighth of the faces": fewer(0.125),
+    "isotropic remeshing": remeshed,
     "five holes": holes,
+    "cropped to 70 %": cropped(0.7),
 }

@@ -95,10 +95,13 @@ def _balance(kernel, masses, other, k, l, rounds, relaxed, plan):  # noqa: E741
 
 
 @njit(**_FAST)
-def transport(cost, masses, distances, other_masses, other_distances, alpha, epsilon, outer, rounds, relaxed, plan):
+def transport(
+    cost, masses, distances, other_masses, other_distances, alpha, warm, epsilon, outer, rounds, relaxed, plan
+):  # fmt: skip
     """Fill `plan` (k, l) and return its cost: (1 − α)⟨M, T⟩ + α Σ (C_ik − D_jl)² T_ij T_kl.
 
-    M is `cost` (k, l), that of putting two nodes together.
+    M is `cost` (k, l), that of putting two nodes together. Entropy falls from `warm` at the first step to `epsilon` at
+    the last.
     """
     k, l = len(masses), len(other_masses)  # noqa: E741
     kernel = np.empty((k, l), dtype=np.float32)
@@ -107,14 +110,15 @@ def transport(cost, masses, distances, other_masses, other_distances, alpha, eps
     left = np.empty(k, dtype=np.float32)
     right = np.empty(l, dtype=np.float32)
     beta = np.float32(1.0) - alpha
-    sharpness = np.float32(1.0) / epsilon
     for i in range(k):
         for j in range(l):
             gradient[i, j] = cost[i, j]
     linear = np.float32(0.0)
     structure = np.float32(0.0)
-    for _ in range(outer + 1):
+    for step in range(outer + 1):
         # the first plan is that of the nodes alone
+        left_over = np.float32(outer - step) / np.float32(max(outer, 1))
+        sharpness = np.float32(1.0) / (epsilon * (warm / epsilon) ** left_over)
         for i in range(k):
             left[i] = gradient[i, 0]
         for j in range(l):
@@ -177,6 +181,6 @@ def transport_many(
         x = chosen[place]
         result[place] = transport(
             costs[place], masses, distances, bank_masses[x], bank_distances[x],
-            alpha, epsilon, outer, rounds, relaxed, plan,
+            alpha, epsilon, epsilon, outer, rounds, relaxed, plan,
         )  # fmt: skip
     return result

@@ -22,14 +22,16 @@ from numpy.typing import NDArray
 
 from shapery_retrieval import _matching_kernels as kernels
 from shapery_retrieval.arg import Arg
-from shapery_retrieval.packing import ALPHA, PackedLevel
+from shapery_retrieval.packing import EPSILON, PackedLevel
 from shapery_retrieval.vector import PackedGraphs, cue_distances, pack
 from shapery_retrieval.vocabulary import vocabulary
 
 UNLIKE = 0.35
 """Divergence at which a level's score has fallen to 1/e; about the mean between unrelated generated shapes."""
 
-SHARP_EPSILON, SHARP_OUTER, SHARP_ROUNDS = np.float32(0.01), 8, 30
+SHARP_ALPHA, SHARP_WARM, SHARP_EPSILON = np.float32(0.8), EPSILON, np.float32(0.01)
+SHARP_OUTER, SHARP_ROUNDS = 8, 30
+"""For correspondences distances between parts count more than features: in another pose they are kept."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +150,7 @@ def sharp_plan(
     kernels.transport(
         query.node_costs(other, index, np.array([place]))[0], query.masses[index], query.distances[index],
         other.masses[place], other.distances[place],
-        ALPHA, SHARP_EPSILON, SHARP_OUTER, SHARP_ROUNDS, relaxed, plan,
+        SHARP_ALPHA, SHARP_WARM, SHARP_EPSILON, SHARP_OUTER, SHARP_ROUNDS, relaxed, plan,
     )  # fmt: skip
     return plan[: query.parts[index], : other.parts[place]].astype(np.float64)
 

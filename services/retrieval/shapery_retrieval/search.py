@@ -18,7 +18,7 @@ from shapery_retrieval.patches import Patches, nearest_patches, patches_of
 from shapery_retrieval.ranking import GROUPS, affinity, diffuse, gate, local_scale, local_scales, voted
 from shapery_retrieval.vector import SEGMENTS, PackedGraphs, Vectors, cue_distances, neighbour_scales, pack, vectors_of
 
-BLOCK, MOST_MATCHED = 64, 320
+BLOCK, MOST_MATCHED = 48, 288
 """Shapes are matched part by part in blocks of so many, the most promising first, until a block brings nothing among
 the best any more; and not more than so many."""
 RERANKED = 64

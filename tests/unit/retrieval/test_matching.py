@@ -25,9 +25,8 @@ def transport(
 ) -> tuple[float, np.ndarray]:
     plan = np.zeros((len(x[0]), len(y[0])), dtype=np.float32)
     nodes = ((x[1][:, None] - y[1][None]) ** 2).sum(axis=2)
-    cost = kernels.transport(
-        nodes, x[0], x[2], y[0], y[2], np.float32(alpha), np.float32(epsilon), 3, rounds, relaxed, plan
-    )
+    a, e = np.float32(alpha), np.float32(epsilon)
+    cost = kernels.transport(nodes, x[0], x[2], y[0], y[2], a, e, e, 3, rounds, relaxed, plan)
     return cost, plan
 
 

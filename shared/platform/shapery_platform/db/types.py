@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import struct
 import sys
 import threading
 import time
@@ -87,6 +88,24 @@ class HalfVector(UserDefinedType[bytes]):
 
 
 ischema_names["halfvec"] = HalfVector  # so that the type is known when tables are read back
+
+
+class SentHalfVector(TypeDecorator[bytes]):
+    """What ``halfvec_send`` gives, as bytes of 32-bit numbers: text would have to be read number by number.
+
+    Two 16-bit integers, of which the first is how many numbers follow, and the numbers in 16 bits; the highest byte
+    first (pgvector, ``src/halfvec.c``).
+    """
+
+    impl = LargeBinary
+    cache_ok = True
+
+    @override
+    def process_result_value(self, value: bytes | None, dialect: Dialect) -> bytes | None:
+        if value is None:
+            return None
+        count = int.from_bytes(value[:2])
+        return struct.pack(f"<{count}f", *struct.unpack_from(f">{count}e", value, 4))
 
 
 class Vector(TypeDecorator[bytes]):

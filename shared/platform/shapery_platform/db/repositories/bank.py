@@ -7,13 +7,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 from uuid import UUID
 
-from sqlalchemy import Float, Row, bindparam, select, text
+from sqlalchemy import Float, Row, bindparam, func, select, text
 from sqlalchemy.orm import Session
 
 from shapery_contracts.retrieval import VECTOR_DIMENSION
 from shapery_platform.db.models import Bank, Collection, Shape, ShapeGraph
 from shapery_platform.db.repositories.shapes import narrowed
-from shapery_platform.db.types import Vector
+from shapery_platform.db.types import SentHalfVector, Vector
 
 _AT_ONCE = 500
 
@@ -62,9 +62,10 @@ def nearest(
     session.execute(text("SET LOCAL hnsw.iterative_scan = strict_order"))
     session.execute(text(f"SET LOCAL hnsw.ef_search = {min(1000, max(100, 2 * limit)):d}"))
     query = bindparam("vector", vector, type_=Vector(VECTOR_DIMENSION))
+    sent = func.halfvec_send(Shape.vector, type_=SentHalfVector())
     distance: Any = Shape.vector.op("<->", return_type=Float())(query)
     return session.execute(
-        select(Shape.id, distance.label("distance"), Shape.vector)
+        select(Shape.id, distance.label("distance"), sent.label("vector"))
         .where(Shape.owner == owner, Shape.index_version == version, *_conditions(collection, labels))
         .order_by(distance)
         .limit(limit)

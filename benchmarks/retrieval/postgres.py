@@ -1,0 +1,100 @@
+"""The first stage of a search on PostgreSQL: candidates by the HNSW index of pgvector, in a bank of grown vectors."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from typing import Any
+from uuid import UUID
+
+import numpy as np
+import psycopg
+
+from benchmarks.retrieval.growth import CHUNK, Grown, _over
+from shapery_contracts.retrieval import INDEX_VERSION, VECTOR_DIMENSION
+from shapery_platform.db import Database, new_id
+from shapery_retrieval.arg import Arg
+from shapery_retrieval.job import CANDIDATES
+from shapery_retrieval.packing import pack_levels, whole_arrays
+from shapery_retrieval.vector import vectors_of
+from shapery_worker.bank import Banks, VectorTable
+from tests.support.postgres import postgres_server
+
+OWNER = "bench"
+COLUMNS = (
+    "id, owner, collection_id, asset_id, job_id, name, metadata, index_version, revision, vector, report, arg_sha256, "
+    "arg_size, created_at, indexed_at"
+)
+
+
+def on_postgres(args: Sequence[Arg], size: int, queries: int = 20) -> dict[str, Any]:
+    """Return wall time of asking for candidates, how many of the exact ones come, and how many of the twenty best.
+
+    The server is the one of the tests: 32 MB of shared buffers, no settings for speed of reading.
+    """
+    bank = Grown(args, size)
+    table = VectorTable()
+    ids = [new_id() for _ in range(size)]
+    place_of = {str(shape): place for place, shape in enumerate(ids)}
+    with postgres_server() as server:
+        url = server.create_database()
+        database = Database(url)
+        database.migrate()
+        began = time.perf_counter()
+        with psycopg.connect(url) as connection:
+            connection.execute("SET session_replication_role = replica")  # rows that others refer to are not needed
+            connection.execute("SET maintenance_work_mem = '1GB'")
+            connection.execute("SET max_parallel_maintenance_workers = 0")
+            connection.execute("INSERT INTO banks VALUES (%s, %s, 0)", (OWNER, size))
+            built = connection.execute(
+                "SELECT indexdef FROM pg_indexes WHERE indexname = 'ix_shapes_vector'"
+            ).fetchone()
+            assert built is not None
+            connection.execute("DROP INDEX ix_shapes_vector")
+            with connection.cursor().copy(f"COPY shapes ({COLUMNS}) FROM STDIN") as copy:
+                for begin in range(0, size, CHUNK):
+                    for place, vector in enumerate(bank.vectors(begin, min(begin + CHUNK, size)), start=begin):
+                        shape = ids[place]
+                        copy.write_row(
+                            (
+                                shape, OWNER, ids[0], shape, shape, str(place), "{}", INDEX_VERSION, place + 1,
+                                str(vector.tolist()), "{}", "0" * 64, 1, "2026-01-01", "2026-01-01",
+                            )
+                        )  # fmt: skip
+                        table.put(shape, vector.tobytes())
+            copied = time.perf_counter()
+            connection.execute(built[0])
+            indexed = time.perf_counter()
+            size_of_index = connection.execute("SELECT pg_relation_size('ix_shapes_vector')").fetchone()
+            assert size_of_index is not None
+        with psycopg.connect(url, autocommit=True) as connection:
+            connection.execute("VACUUM ANALYZE shapes")
+        times, recall, kept = [], [], []
+        asked = args[:: max(1, len(args) // queries)][:queries]
+        for query in (*asked[:3], *asked):
+            vector = vectors_of(pack_levels([query]), whole_arrays([query]))[0].astype(np.float64)
+            start = time.perf_counter()
+            found = Banks(database).of(OWNER).candidates(vector.tolist(), CANDIDATES)
+            times.append(time.perf_counter() - start)
+            exact = table.nearest(vector, CANDIDATES, None)
+            recall.append(len({c.shape_id for c in found} & {c.shape_id for c in exact}) / len(exact))
+            best = []
+            for near in (found, exact):
+                known = sorted(near)
+                vectors = np.frombuffer(b"".join(c.vector for c in known), dtype="<f4").reshape(-1, VECTOR_DIMENSION)
+                places = np.array([place_of[str(UUID(c.shape_id))] for c in known])
+                answer = _over(bank, places, vectors).search(query, vector=vector)
+                best.append({hit.shape_id for hit in answer.hits})
+            kept.append(len(best[0] & best[1]) / len(best[1]))
+        database.dispose()
+    times, recall, kept = times[3:], recall[3:], kept[3:]
+    return {
+        "size": size,
+        "copy_s": copied - began,
+        "index_s": indexed - copied,
+        "index_megabytes": size_of_index[0] / 2**20,
+        "median_ms": 1000 * float(np.median(times)),
+        "p95_ms": 1000 * float(np.quantile(times, 0.95)),
+        "recall": float(np.mean(recall)),
+        "twenty_best": float(np.mean(kept)),
+    }

@@ -1,0 +1,77 @@
+"""The results as Markdown."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from benchmarks.retrieval.growth import row_of
+
+KEYS = ("nn", "ft", "st", "map", "dcg")
+HEAD = ["| method | NN | FT | ST | mAP | DCG |", "|---|---|---|---|---|---|"]
+
+
+def report(found: dict[str, Any]) -> str:
+    """Return what has been measured so far."""
+    lines = ["# Retrieval", ""]
+    if "watertight" in found:
+        lines += ["## 400 watertight models, leave one out", "", *_table(found["watertight"]), ""]
+        lines += ["FT is the precision where it equals recall. The dissertation's Table 4.1: FV1 0.600, FV2 0.628.", ""]
+        for name in ("retrieval_precision_recall", "retrieval_classes"):
+            lines += [f"![{name}]({name}.png)", ""]
+        for title, rows in found["splits"].items():
+            lines += [f"## {title[0].upper()}{title[1:]}", "", *_table(rows), ""]
+        classes = found["first_tier_by_class"]
+        lines += ["## First tier by class", "", "| class | " + " | ".join(classes) + " |", "|---" * 4 + "|"]
+        for name in next(iter(classes.values())):
+            lines.append(f"| {name} | " + " | ".join(f"{values[name]:.2f}" for values in classes.values()) + " |")
+        lines.append("")
+    if "poses" in found:
+        lines += ["## Poses: every class is one moving body", "", *_table(found["poses"]), ""]
+    if "robustness" in found:
+        lines += ["## Worn queries against the bank as it is", "", *_table(found["robustness"]), ""]
+    for title, rows in found.get("partial", {}).items():
+        lines += [f"## Parts as queries, cut off by a random plane: {title}", "", *_table(rows), ""]
+    if "correspondence" in found:
+        lines += [
+            "## Matched parts of poses whose vertices correspond", "",
+            "Shares of the area. Right: matched with the part that most of the vertices lie in. Overlapping: a quarter",
+            "of either lies in the other. Repeatable: what stays in its part if every part is matched right.", "",
+            "| poses | right | overlapping | repeatable |", "|---|---|---|---|",
+        ]  # fmt: skip
+        for name, row in found["correspondence"].items():
+            lines.append(f"| {name} | {row['right']:.3f} | {row['overlapping']:.3f} | {row['repeatable']:.3f} |")
+        lines.append("")
+    if "index_cpu_seconds" in found:
+        stages = found["index_cpu_seconds"]
+        lines += ["## Cost in CPU seconds", "", "| | s |", "|---|---|"]
+        lines += [f"| indexing: {name} | {seconds:.3f} |" for name, seconds in stages.items()]
+        lines += [f"| indexing: all | {sum(stages.values()):.3f} |"]
+        lines += [f"| bank of 400: {name} | {seconds:.4f} |" for name, seconds in found["query_cpu_seconds"].items()]
+        lines += ["", f"A graph takes {found['arg_kilobytes']:.1f} kB.", ""] if "arg_kilobytes" in found else [""]
+    if "growth" in found:
+        lines += [
+            "## Growth", "",
+            "CPU milliseconds of a query in a bank of real graphs moved to fill it, and the share of its twenty best",
+            "that a search finds in which every shape is matched part by part, on scales of the whole bank.", "",
+            "| shapes | vector | candidates | match | query | matched | kept of exhaustive | vectors, MiB |",
+            "|---" * 8 + "|", *(row_of(row) for row in found["growth"]), "",
+        ]  # fmt: skip
+    if "postgres" in found:
+        row = found["postgres"]
+        told = (
+            f"{row['size']:,} shapes in PostgreSQL with 32 MB of buffers, HNSW over 16-bit vectors of "
+            f"{row['index_megabytes']:.0f} MiB, built in {row['index_s']:.0f} s. Six hundred candidates came in "
+            f"{row['median_ms']:.0f} ms (median; p95 {row['p95_ms']:.0f} ms) of wall time; {row['recall']:.1%} of them "
+            f"were the exact ones, and {row['twenty_best']:.1%} of the twenty best were found."
+        )
+        lines += ["## Candidates by pgvector", "", told, ""]
+    return "\n".join(lines)
+
+
+def _table(rows: dict[str, Any]) -> list[str]:
+    lines = list(HEAD)
+    for name, row in rows.items():
+        count = f" ({row['queries']} queries)" if "queries" in row else ""
+        count = f" ({row['queries']} queries, {row['refused']} refused)" if row.get("refused") else count
+        lines.append(f"| {name}{count} | " + " | ".join(f"{row[key]:.3f}" for key in KEYS) + " |")
+    return lines
