@@ -194,13 +194,18 @@ def document(results: dict[str, Any]) -> str:
             "The flows of all cases with an object, from the same seed surfaces, means over them; IoU is of the voxels",
             "inside the surface with the enhancing tumor. Damping is ours: without it, as in the dissertation, aging",
             "(S5) and interpolation (S8) have more to do. Model selection (S9) is measured in `vessels.md`.",
-            "",
-            *ablation.ablation_table(results["ablation"]),
-            "",
-            "Flow by flow, all without damping: IoU / iterations / oscillating vertices over all iterations.",
-            "",
-            *ablation.by_flow_table(results["ablation"]),
         ]
+        for setting in ablation.SETTINGS:
+            text += [
+                "",
+                f"**{setting[0].upper()}{setting[1:]}**",
+                "",
+                *ablation.ablation_table(results["ablation"], setting),
+                "",
+                "Flow by flow, all without damping: IoU / iterations / oscillating vertices over all iterations.",
+                "",
+                *ablation.by_flow_table(results["ablation"], setting),
+            ]
     if "phantoms" in results:
         text += ["", "## Phantoms", "", "Heads with known truth, as the real cases are done:", ""]
         text += tables.cases_table(results["phantoms"])
