@@ -143,6 +143,11 @@ def test_far_from_the_origin_and_very_fine_grids() -> None:
     np.testing.assert_array_equal(huge, expected)
 
 
+def test_a_surface_known_to_be_closed_gives_the_same_voxels() -> None:
+    box = box_mesh((1.3, 2.2, 0.7), (8.6, 7.1, 6.4))
+    np.testing.assert_array_equal(rasterize(box, grid(), known_closed=True), rasterize(box, grid()))
+
+
 def test_open_surface_is_refused_and_empty_one_is_empty() -> None:
     sphere = icosphere((5, 5, 5), 3, 1)
     with pytest.raises(InvalidInput) as caught:

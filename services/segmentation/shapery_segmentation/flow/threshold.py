@@ -35,5 +35,5 @@ def median_inside(field: NDArray[np.float32], affine: NDArray[np.float64], surfa
     part = field[i, j, k]
     shifted = affine.copy()
     shifted[:3, 3] += affine[:3, :3] @ low
-    inside = rasterize(surface, Volume(part, shifted))
+    inside = rasterize(surface, Volume(part, shifted), known_closed=True)
     return float(np.median(part[inside])) if inside.any() else None
