@@ -29,7 +29,7 @@ function largestError(motion: Motion, vertices: Float64Array, order: Iterable<nu
   return largest;
 }
 
-describe.each(["trajectory", "trajectory-exact", "trajectory-1.1"])("the motion %s", (name) => {
+describe.each(["trajectory", "trajectory-exact", "trajectory-1.1", "trajectory-1.2"])("the motion %s", (name) => {
   const { bytes, vertices } = golden(name);
 
   it("has the same vertices as in the reference decoder", () => {

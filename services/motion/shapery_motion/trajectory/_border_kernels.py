@@ -10,7 +10,7 @@ from shapery_motion.compiled import kernel
 
 
 @kernel
-def project(fields, functions, vertices, onto, places, values):
+def project(fields, functions, vertices, mean, onto, places, values):
     """Express the trajectories of some vertices by the functions of another cluster.
 
     Parameters
@@ -21,6 +21,8 @@ def project(fields, functions, vertices, onto, places, values):
         Its functions of time, all frames and axes in a row.
     vertices : (u,)
         Numbers within that cluster.
+    mean : (t,) or (0,)
+        What is taken from the trajectories first.
     onto : (s, t)
         Functions of the other cluster, each of unit norm or 0.
     places : (u,)
@@ -39,6 +41,10 @@ def project(fields, functions, vertices, onto, places, values):
             row = rest[t]
             for u in range(count):
                 row[u] += column[u] * factor
+    for t in range(len(mean)):
+        row = rest[t]
+        for u in range(count):
+            row[u] -= mean[t]
     for mode in range(len(onto)):
         for u in range(count):
             column[u] = 0.0

@@ -3,8 +3,9 @@
 A node holds the mean of its vertices. Going down, each pair needs the difference of its children's means; it is
 predicted from the nodes around, and what remains is coded at a step of 1 in the orthonormal (Haar) scaling.
 
-The stream comes in two editions. In the second, what earlier clusters say of the vertices beside a cluster helps to
-predict it, predictions are trusted as far as they proved right, and links are weighted anew as modes are known.
+The stream comes in three editions. From the second on, what earlier clusters say of the vertices beside a cluster
+helps to predict it, predictions are trusted as far as they proved right, and links are weighted anew as modes are
+known. In the third, a cluster's mean trajectory is a function of its own, whose field needs no numbers.
 """
 
 # mypy: allow-untyped-defs, allow-untyped-calls
@@ -144,13 +145,14 @@ def weigh_links(
 def code_fields(
     state, buffer, probabilities, hits, weights, bases,
     children, levels, sizes, links, link_starts, link_counts, inner_counts, parents, outer_counts, outer_values,
-    targets, rank, quantised, decoded, costs, trade,
+    targets, carry, rank, quantised, decoded, costs, trade,
 ):  # fmt: skip
     """Code the fields of one cluster: `rank` modes over n vertices.
 
     Encoding, `targets` (n, rank) holds what is to be coded in units of the step, `costs` the bits of a probability and
     `trade` how much squared error a bit is worth. `decoded` (rank, n) receives the values that a decoder has, and
-    `quantised` (rank, 1 + pairs) the whole numbers, by which later modes are predicted.
+    `quantised` (rank, 1 + pairs) the whole numbers, by which later modes are predicted. A share `carry` (rank, rank) of
+    each mode's error is added to the targets of later ones.
 
     In the second edition `outer_counts` (n,) are the edges of each vertex that lead to earlier clusters, and
     `outer_values` (rank, n) the mean of what is beyond them, 0 where there are none; in the first both are empty.
@@ -301,6 +303,11 @@ def code_fields(
             high = low
         for v in range(n):
             decoded[mode, v] = means[v]
+        if encoding and len(carry):
+            for later in range(mode + 1, rank):
+                share = carry[mode, later]
+                for v in range(n):
+                    targets[v, later] += share * (targets[v, mode] - means[v])
         if mode < GUIDES[3 if second else 0]:
             add_squares(children, links, link_starts, means, outer, link_squares, inner_squares, squares_outside)
         for k in range(4 if second else 1):

@@ -16,6 +16,7 @@ IntArray = NDArray[np.int64]
 
 AT_ONCE: Final = 64
 """Vertices whose trajectories are held at the same time."""
+_NONE: Final[FloatArray] = np.zeros(0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +79,9 @@ class Border:
             beyond.append((label, local[found[places]], places))
         return cls(owners[outside], targets.reshape(-1).astype(np.int64), tuple(beyond), len(members))
 
-    def predict(self, before: list[DecodedCluster], functions: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def predict(
+        self, before: list[DecodedCluster], functions: FloatArray, mean: FloatArray = _NONE
+    ) -> tuple[FloatArray, FloatArray]:
         """Return how many edges lead from each vertex to earlier clusters, and what lies beyond them on average.
 
         Parameters
@@ -87,6 +90,8 @@ class Border:
             The clusters of lower number.
         functions : (r, 3 F)
             Of this cluster.
+        mean : (3 F,)
+            Its mean trajectory in units of the step, if it has one.
 
         Returns
         -------
@@ -99,7 +104,7 @@ class Border:
             other = before[label]
             for k in range(0, len(places), AT_ONCE):
                 some = slice(k, k + AT_ONCE)
-                kernels.project(other.fields, other.functions, inside[some], functions, places[some], values)
+                kernels.project(other.fields, other.functions, inside[some], mean, functions, places[some], values)
         counts, means = np.zeros(self.vertices), np.zeros((rank, self.vertices))
         kernels.averages(self.owners, self.targets, values, counts, means)
         return counts, means

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -16,13 +17,17 @@ IntArray = NDArray[np.int64]
 
 REDUCED: Final = 100
 """Dimensions in which trajectories are compared."""
-MANY: Final = 64
-FEW: Final = 24
-"""Clusters from which merging starts, when there is time and when there is none."""
+MANY: Final = (64, 112)
+FEW: Final = (24,)
+"""Numbers of clusters from which merging starts, when there is time and when there is none."""
+NEAR: Final = 12
+"""With how many others, to which it is nearest, a cluster may merge."""
+DIMENSIONS: Final = 5
+"""Modes of a cluster, beside its mean, before it is known how many pay."""
 BIT: Final = 2.0 * np.log(2.0) / 12.0
 """Squared error, in squared steps, that a bit is worth where all numbers are quantised finely."""
-SHARES: Final = (0.5, 0.3, 0.8)
-"""Shares of the bits of independent numbers that smoothness may leave: it depends on the motion which is right."""
+SHARE: Final = 0.5
+"""Share of the bits of independent numbers that smoothness leaves, where it was not measured."""
 
 
 def reduced(trajectories: FloatArray, dimensions: int = REDUCED) -> FloatArray:
@@ -66,18 +71,26 @@ class Worth:
     """What a cluster's modes cost and spare, all squared errors in units of the squared step.
 
     A mode of energy w costs its numbers' bits, n for the vertices and 3 F for the frames, of which smoothness leaves a
-    share, and the error of their quantisation; without it, w is lost.
+    share, and the error of their quantisation; without it, w is lost. The mean trajectory costs the latter alone.
     """
 
     frames: int
-    share: float
+    in_space: float
+    """The share of a field's numbers."""
+    in_time: float
+    """The share of a function's numbers."""
 
     def of_modes(self, energies: FloatArray, vertices: int) -> tuple[float, int]:
         """Return the loss of a cluster by the falling energies of its modes, and how many of them pay."""
         numbers = vertices + 3 * self.frames
-        kept = BIT * (_bits(energies, self.share * vertices) + _bits(energies, self.share * 3 * self.frames))
+        kept = BIT * (_bits(energies, self.in_space * vertices) + _bits(energies, self.in_time * 3 * self.frames))
         kept += np.minimum(energies, numbers / 12.0)
         return float(np.minimum(kept, energies).sum()), int((kept < energies).sum())
+
+    def of_mean(self, energy: float) -> float:
+        """Return the loss of a mean trajectory by its energy, times the number of vertices."""
+        numbers = 3.0 * self.frames
+        return float(BIT * _bits(np.array([energy]), self.in_time * numbers)[0]) + min(energy, numbers / 12.0)
 
 
 def _bits(energies: FloatArray, numbers: float) -> FloatArray:
@@ -98,37 +111,61 @@ class Spectra:
     def __init__(self, points: FloatArray, labels: IntArray) -> None:
         self.labels = labels
         self._grams = [points[labels == label].T @ points[labels == label] for label in range(int(labels.max()) + 1)]
+        self._sums = np.array([points[labels == label].sum(axis=0) for label in range(int(labels.max()) + 1)])
         self._sizes = np.bincount(labels)
-        self._known: dict[frozenset[int], FloatArray] = {}
+        self._known: dict[frozenset[int], tuple[FloatArray, float]] = {}
 
     def __len__(self) -> int:
         return len(self._grams)
 
     def loss(self, parts: frozenset[int], worth: Worth) -> float:
         """Return the loss of the union of some clusters."""
+        some = sorted(parts)
+        count = int(self._sizes[some].sum())
         if parts not in self._known:
-            gram = np.sum([self._grams[part] for part in sorted(parts)], axis=0)
-            self._known[parts] = np.maximum(np.linalg.eigvalsh(gram)[::-1], 0.0)
-        return worth.of_modes(self._known[parts], int(self._sizes[list(parts)].sum()))[0]
+            total = self._sums[some].sum(axis=0)
+            gram = np.sum([self._grams[part] for part in some], axis=0) - np.outer(total, total) / count
+            self._known[parts] = np.maximum(np.linalg.eigvalsh(gram)[::-1], 0.0), float(total @ total) / count
+        energies, middle = self._known[parts]
+        return worth.of_modes(energies, count)[0] + worth.of_mean(middle)
+
+    def near(self) -> dict[int, set[int]]:
+        """Return for each part the others that lie nearest to the space of its strongest modes, or it to theirs."""
+        away = np.empty((len(self), len(self)))
+        for part, gram in enumerate(self._grams):
+            modes = np.linalg.eigh(gram)[1][:, ::-1][:, :DIMENSIONS]
+            for other, beside in enumerate(self._grams):
+                inside = float(((beside @ modes) * modes).sum())
+                away[part, other] = (float(np.trace(beside)) - inside) / self._sizes[other]
+        result: dict[int, set[int]] = {part: set() for part in range(len(self))}
+        for part, order in enumerate(np.argsort(np.minimum(away, away.T), axis=1, kind="stable").tolist()):
+            for other in [other for other in order if other != part][:NEAR]:
+                result[part].add(other)
+                result[other].add(part)
+        return result
 
 
 def merge(spectra: Spectra, worth: Worth) -> IntArray:
-    """Join clusters two by two as long as that lowers the loss of all, the most profitable first; return the labels."""
+    """Join near clusters two by two as long as that lowers the loss, the most profitable first; return the labels."""
     unions = {part: frozenset({part}) for part in range(len(spectra))}
     losses = {part: spectra.loss(union, worth) for part, union in unions.items()}
+    near = spectra.near()
 
     def gain(a: int, b: int) -> float:
         return losses[a] + losses[b] - spectra.loss(unions[a] | unions[b], worth)
 
-    gains = {(a, b): gain(a, b) for a in unions for b in unions if a < b}
+    gains = {(a, b): gain(a, b) for a in unions for b in near[a] if a < b}
     while gains:
         (a, b), best = max(gains.items(), key=lambda item: item[1])
         if best <= 0.0:
             break
         unions[a] |= unions.pop(b)
         losses[a] = spectra.loss(unions[a], worth)
+        near[a] = (near[a] | near.pop(b)) - {a, b}
+        for c in near[a]:
+            near[c] = (near[c] - {b}) | {a}
         gains = {pair: value for pair, value in gains.items() if a not in pair and b not in pair}
-        gains |= {(min(a, c), max(a, c)): gain(a, c) for c in unions if c != a}
+        gains |= {(min(a, c), max(a, c)): gain(a, c) for c in sorted(near[a])}
     home = np.empty(len(spectra), dtype=np.int64)
     for part, union in unions.items():
         home[list(union)] = part
@@ -143,9 +180,9 @@ def regroup(
     coherence: float,
     rounds: int,
     worth: Worth | None = None,
-    dimensions: int = 6,
+    dimensions: int = DIMENSIONS,
 ) -> IntArray:
-    """Move vertices to the cluster whose modes hold them best, and let the modes follow (Lloyd's algorithm).
+    """Move vertices to the cluster whose mean and modes hold them best, and let the modes follow (Lloyd's algorithm).
 
     Parameters
     ----------
@@ -164,22 +201,25 @@ def regroup(
     dimensions
         How many modes a cluster has where `worth` is not given.
     """
-    energy = (points**2).sum(axis=1)
     n = len(points)
+    squares = (points**2).sum(axis=1)
     adjacency = csr_array((np.ones(len(graph.neighbours)), graph.neighbours, graph.starts), shape=(n, n))
     for _ in range(rounds):
         count = int(labels.max()) + 1
         loss = np.empty((n, count))
         for label in range(count):
             own = points[labels == label]
-            energies, vectors = np.linalg.eigh(own.T @ own)
+            middle = own.mean(axis=0)
+            energies, vectors = np.linalg.eigh((own - middle).T @ (own - middle))
             rank = dimensions
             if worth is not None:
                 rank = max(1, worth.of_modes(np.maximum(energies[::-1], 0.0), len(own))[1])
-            inside = (points @ vectors[:, ::-1][:, :rank]) ** 2
-            loss[:, label] = np.maximum(energy - inside.sum(axis=1), 0.0)
+            chosen = vectors[:, ::-1][:, :rank]
+            inside = (points @ chosen - middle @ chosen) ** 2
+            away = squares - points @ (2.0 * middle) + middle @ middle
+            loss[:, label] = np.maximum(away - inside.sum(axis=1), 0.0)
             if worth is not None:
-                loss[:, label] += BIT * worth.share * 0.5 * np.log2(1.0 + inside).sum(axis=1)
+                loss[:, label] += BIT * worth.in_space * 0.5 * np.log2(1.0 + inside).sum(axis=1)
         member = np.zeros((n, count))
         member[np.arange(n), labels] = coherence
         found = (loss - adjacency @ member).argmin(axis=1)
@@ -190,8 +230,34 @@ def regroup(
     return labels
 
 
+def share_of(bits: float, energies: list[FloatArray], numbers: list[int]) -> float:
+    """Return the share at which modes of some energies, in squared steps, cost some bits.
+
+    Parameters
+    ----------
+    bits
+        What they took.
+    energies, numbers
+        For each cluster those of its modes, and how many numbers each of its modes has.
+    """
+    low, high = 0.02, 3.0
+    for _ in range(20):
+        share = 0.5 * (low + high)
+        if sum(float(_bits(e, share * n).sum()) for e, n in zip(energies, numbers, strict=True)) > bits:
+            high = share
+        else:
+            low = share
+    return 0.5 * (low + high)
+
+
 def find_clusters(
-    trajectories: FloatArray, graph: VertexGraph, step: float, *, count: int | None, thorough: bool
+    trajectories: FloatArray,
+    graph: VertexGraph,
+    step: float,
+    worths: Sequence[Worth],
+    *,
+    count: int | None,
+    many: Sequence[int],
 ) -> list[IntArray]:
     """Divide the vertices into clusters, in one way or in several to choose from.
 
@@ -203,32 +269,35 @@ def find_clusters(
         The mesh.
     step
         About the step that will be used.
+    worths
+        What modes may cost: each leads to a way. If there are several, vertices are moved once more after the clusters
+        were merged.
     count
         How many clusters at the most are wanted; None: as many as pay.
-    thorough
-        Whether to start from many, to move vertices after the clusters were merged, and to give several ways.
+    many
+        Numbers of clusters from which merging starts.
 
     Returns
     -------
     list of (n,)
         Labels from 0 without gaps; no two alike.
     """
-    n, frames, _ = trajectories.shape
-    many = MANY if thorough else FEW
-    start = min(count if count is not None else max(1, min(many, n // 24)), n)
-    if start == 1:
+    n = len(trajectories)
+    thorough = len(worths) > 1
+    starts = sorted({max(1, min(k, n // 24)) for k in many} if count is None else {min(count, n)})
+    if starts == [1]:
         return [np.zeros(n, dtype=np.int64)]
     points = reduced(trajectories.reshape(n, -1)) / step
-    labels = regroup(points, graph, spread_out(points, start), coherence=200.0, rounds=6 if thorough else 3)
-    if count is not None:
-        return [labels]
     found: list[IntArray] = []
-    spectra = Spectra(points, labels)
-    for share in SHARES if thorough else SHARES[:1]:
-        worth = Worth(frames, share)
-        merged = merge(spectra, worth)
-        if thorough:
-            merged = regroup(points, graph, merged, coherence=1.0, rounds=8, worth=worth)
-        if not any(np.array_equal(merged, other) for other in found):
-            found.append(merged)
+    for start in starts:
+        labels = regroup(points, graph, spread_out(points, start), coherence=200.0, rounds=6 if thorough else 3)
+        if count is not None:
+            return [labels]
+        spectra = Spectra(points, labels)
+        for worth in worths:
+            merged = merge(spectra, worth)
+            if thorough:
+                merged = regroup(points, graph, merged, coherence=1.0, rounds=8, worth=worth)
+            if not any(np.array_equal(merged, other) for other in found):
+                found.append(merged)
     return found

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
@@ -42,11 +43,13 @@ class Cluster:
     members: IntArray
     tree: PairingTree
     border: Border
+    mean: FloatArray
+    """(3F,) the mean trajectory, as cosine coefficients of the runs."""
     trajectories: FloatArray
-    """(n, 3F) as cosine coefficients of the runs."""
+    """(n, 3F) less the mean, likewise."""
     cuts: IntArray
     energies: FloatArray
-    """Falling eigenvalues of the trajectories' Gram matrix."""
+    """Falling eigenvalues of the Gram matrix of these."""
     modes: FloatArray
     """(r, 3F) orthonormal, in the order of `energies`."""
 
@@ -124,15 +127,19 @@ def prepare(
     clusters = []
     for members in groups:
         tree = PairingTree.of_members(graph, members, scratch)
-        own = trajectories[members]
+        mean = trajectories[members].mean(axis=0)
+        own = trajectories[members] - mean
         energies, modes = principal_modes(own.reshape(len(members), -1), step)
         functions = modes.reshape(len(modes), frames, 3).transpose(1, 0, 2)
-        amplitudes = functions * (np.sqrt(energies) / step)[:, None]
-        cuts = best_cuts(amplitudes, thorough=thorough)
-        coefficients = in_runs(functions, cuts).transpose(1, 0, 2).reshape(len(modes), -1)
-        transformed = in_runs(own.transpose(1, 0, 2), cuts).transpose(1, 0, 2).reshape(len(members), -1)
+        amplitudes = np.concatenate(
+            (math.sqrt(len(members)) * mean[:, None], functions * np.sqrt(energies)[:, None]), axis=1
+        )
+        cuts = best_cuts(amplitudes / step, thorough=thorough)
+        coefficients = in_runs(functions, cuts).transpose(1, 0, 2).reshape(len(modes), 3 * frames)
+        transformed = in_runs(own.transpose(1, 0, 2), cuts).transpose(1, 0, 2).reshape(len(members), 3 * frames)
         border = Border.of_members(graph, members, labels, local)
-        clusters.append(Cluster(members, tree, border, transformed, cuts, energies, coefficients))
+        middle = in_runs(mean, cuts).reshape(-1)
+        clusters.append(Cluster(members, tree, border, middle, transformed, cuts, energies, coefficients))
     return clusters
 
 
@@ -232,28 +239,32 @@ def encode_at(
     for label, cluster in enumerate(clusters):
         labels[cluster.members] = label
         count = len(cluster.members)
+        root = math.sqrt(count)
         rank = int((cluster.energies > step * step / 12.0 * (count + 3 * frames)).sum())
-        targets = cluster.modes[:rank] * (np.sqrt(cluster.energies[:rank]) / step)[:, None]
-        if rank and np.sqrt(cluster.energies[0]) / step > LARGEST:
+        modes = cluster.modes[:rank] * np.sqrt(cluster.energies[:rank])[:, None]
+        targets = np.concatenate((root * cluster.mean[None], modes)) / step
+        if np.abs(targets).max() > LARGEST:
             raise InvalidInput(
                 "invalid_params",
                 "The bound is too fine for coordinates of this size.",
                 "Allow a larger error, or move the motion nearer to the origin.",
             )
-        quantised = np.zeros((rank, frames, 3), dtype=np.int64)
-        bases.code(cluster.cuts, quantised, targets.reshape(rank, frames, 3))
-        flat = quantised.reshape(rank, -1).astype(np.float64)
-        ranks[label] = rank
-        used = flat.any(axis=1)
+        quantised = np.zeros((1 + rank, frames, 3), dtype=np.int64)
+        bases.code(cluster.cuts, quantised, targets.reshape(1 + rank, frames, 3))
+        ranks[label] = 1 + rank
+        flat = quantised.reshape(1 + rank, -1).astype(np.float64)
+        moved = cluster.trajectories + (cluster.mean - flat[0] * (step / root))
+        flat = flat[1:]
+        used = np.asarray(flat.any(axis=1))
         flat[used] /= np.sqrt((flat[used] ** 2).sum(axis=1))[:, None]
         # the fields are fitted anew to the bases as a decoder will have them
-        wanted = np.zeros((count, rank))
-        wanted[:, used] = np.linalg.lstsq(flat[used].T, cluster.trajectories.T, rcond=None)[0].T / step
-        functions = np.zeros((frames, rank, 3))
+        wanted, carry = fitted(flat, used, moved)
+        functions = np.zeros((frames, 1 + rank, 3))
         functions_of_time(cluster.cuts, quantised, functions)
-        decoded = fields.code(cluster.tree, rank, wanted, cluster.border.predict(done, in_rows(functions)))
+        beside = cluster.border, done
+        decoded = fields.code_around_mean(cluster.tree, quantised, in_rows(functions), *beside, wanted / step, carry)
         done.append(DecodedCluster.of(decoded, functions))
-        rest = cluster.trajectories - (decoded.T * step) @ flat
+        rest = moved - (decoded[1:].T * step) @ flat
         if once:
             error += float((rest**2).sum())
         else:
@@ -266,3 +277,29 @@ def encode_at(
         (FIELDS, fields.stream.finished()),
     )
     return Encoded(step, sections, error, model)
+
+
+def fitted(functions: FloatArray, used: NDArray[np.bool_], trajectories: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Fit fields to functions of time by least squares.
+
+    Parameters
+    ----------
+    functions : (r, t)
+        Of unit norm, or 0.
+    used : (r,)
+        Which are not 0.
+    trajectories : (n, t)
+        What is to be fitted.
+
+    Returns
+    -------
+    (n, r), (r, r)
+        The fields; and by how much of the error of each field the later ones should change, so that they make up for
+        it as well as they can.
+    """
+    gram = functions @ functions.T
+    gram[~used, ~used] = 1.0
+    fields = np.linalg.solve(gram, functions @ trajectories.T).T
+    lower = np.linalg.cholesky(gram[::-1, ::-1])
+    carry = -np.linalg.inv(lower / np.diag(lower))[::-1, ::-1]
+    return np.ascontiguousarray(fields), np.triu(carry, 1)

@@ -16,8 +16,8 @@ from shapery_motion.graph import VertexGraph
 from shapery_motion.trajectory import _model_kernels as kernels
 
 MODEL, BASES = "TMOD", "TBAS"
-FIELDS, FIRST_FIELDS = "TFL2", "TFLD"
-"""The stream of fields as it is written, and as version 1.0 of the format had it."""
+FIELDS, SECOND_FIELDS, FIRST_FIELDS = "TFL3", "TFL2", "TFLD"
+"""The stream of fields as it is written, and as versions 1.1 and 1.0 of the format had it."""
 MAX_CLUSTERS: Final = 1 << 16
 MAX_RANK: Final = 4096
 FARTHEST: Final = 1e30
@@ -39,7 +39,7 @@ class GroupModel:
     labels: NDArray[np.int64]
     """(n,) the cluster of each vertex."""
     ranks: NDArray[np.int64]
-    """(K,) modes of each cluster."""
+    """(K,) functions of time of each cluster."""
     cuts: tuple[NDArray[np.int64], ...]
     """For each cluster, where its runs of kept frames begin, and their number last."""
 

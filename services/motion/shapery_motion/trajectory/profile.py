@@ -16,9 +16,9 @@ from shapery_motion.graph import VertexGraph
 from shapery_motion.profiles import EncodedGroup, GroupTask
 from shapery_motion.trajectory import _frame_kernels as kernels
 from shapery_motion.trajectory.borders import Border, DecodedCluster, in_rows, numbers_within
-from shapery_motion.trajectory.clustering import find_clusters
+from shapery_motion.trajectory.clustering import FEW, MANY, SHARE, Worth, find_clusters, share_of
 from shapery_motion.trajectory.encoding import LARGEST, Cluster, Encoded, encode_at, prepare
-from shapery_motion.trajectory.model import BASES, FARTHEST, FIELDS, FIRST_FIELDS, MODEL, GroupModel
+from shapery_motion.trajectory.model import BASES, FARTHEST, FIELDS, FIRST_FIELDS, MODEL, SECOND_FIELDS, GroupModel
 from shapery_motion.trajectory.streams import BasisStream, FieldStream, PairingTree
 
 FloatArray = NDArray[np.float64]
@@ -35,8 +35,10 @@ COARSER: Final = (1.6, 2.5, 5.0)
 ONE_COARSER: Final = (2.5,)
 """Steps beside the one that is used, in its units, at which the report tells rate and error, when there is time and
 when there is none."""
+OTHERS: Final = (0.6,)
+"""Costs of modes beside the measured ones, in their units, by which clusters are sought."""
 PASSES: Final = 8
-NEAR: Final = 0.993
+NEAR: Final = 0.997
 NEAR_ENOUGH: Final = 0.97
 """Share of the allowed squared error that is used up at least before the search for the step ends, when there is time
 and when there is none."""
@@ -61,12 +63,15 @@ def encode_group(task: GroupTask) -> EncodedGroup:
     # a first step that is finer than the one that will be used must not be too fine for the coder
     step = max(math.sqrt(FIRST * target / (frames * n)), math.sqrt(float((trajectories**2).sum())) / LARGEST)
     thorough = task.preset == "default"
+    worths = [Worth(len(moving), SHARE, SHARE)]
     if thorough:
-        step = about_the_step(trajectories, graph, step, target, offset=offset, sources=sources)
-    ways = find_clusters(trajectories, graph, step, count=task.clusters, thorough=thorough)
+        step, worths = quick_look(trajectories, graph, step, target, offset=offset, sources=sources)
+    many = MANY if thorough else FEW
+    ways = find_clusters(trajectories, graph, step, worths, count=task.clusters, many=many)
     task.on_progress(0.2)
     least = math.inf
     clusters: list[Cluster] = []
+    known: Encoded | None = None
     for number, way in enumerate(ways):
         task.check_cancelled()
         prepared = prepare(trajectories, graph, way, step, thorough=thorough)
@@ -76,7 +81,7 @@ def encode_group(task: GroupTask) -> EncodedGroup:
             size = made.size * (made.squared_error / target) ** SLOPE
             if size >= least:
                 continue
-            least = size
+            least, known = size, made
         clusters = prepared
         task.on_progress(0.2 + 0.2 * (number + 1) / len(ways))
     task.on_progress(0.4)
@@ -86,7 +91,8 @@ def encode_group(task: GroupTask) -> EncodedGroup:
     slope, tried = 1.8, (0.0, 0.0)
     for number in range(PASSES):
         task.check_cancelled()
-        made = encode_at(clusters, graph, step, offset=offset, sources=sources)
+        made = known or encode_at(clusters, graph, step, offset=offset, sources=sources)
+        known = None
         ratio = made.squared_error / target
         if ratio <= 1.0:
             if best is None or made.size < best.size:
@@ -120,7 +126,7 @@ def encode_group(task: GroupTask) -> EncodedGroup:
     )
 
 
-def about_the_step(
+def quick_look(
     trajectories: FloatArray,
     graph: VertexGraph,
     step: float,
@@ -128,15 +134,30 @@ def about_the_step(
     *,
     offset: FloatArray,
     sources: NDArray[np.int64],
-) -> float:
-    """Return about the step that meets a squared error, from quick encodings: clusters depend on it."""
+) -> tuple[float, list[Worth]]:
+    """Return about the step that meets a squared error, and what modes cost there, from quick encodings."""
+    worth = Worth(trajectories.shape[1], SHARE, SHARE)
     for _ in range(2):
-        labels = find_clusters(trajectories, graph, step, count=None, thorough=False)[0]
-        made = encode_at(
-            prepare(trajectories, graph, labels, step, thorough=False), graph, step, offset=offset, sources=sources
-        )
+        labels = find_clusters(trajectories, graph, step, [worth], count=None, many=FEW)[0]
+        clusters = prepare(trajectories, graph, labels, step, thorough=False)
+        made = encode_at(clusters, graph, step, offset=offset, sources=sources)
+        worth = worth_of(clusters, made)
         step *= min(max((target / max(made.squared_error, 1e-300)) ** (1.0 / 1.8), 0.2), 5.0)
-    return step
+    return step, [worth, *(Worth(worth.frames, worth.in_space * k, worth.in_time * k) for k in OTHERS)]
+
+
+def worth_of(clusters: list[Cluster], made: Encoded) -> Worth:
+    """Return what modes cost in an encoding."""
+    frames = int(clusters[0].cuts[-1])
+    energies = [c.energies[: rank - 1] / made.step**2 for c, rank in zip(clusters, made.model.ranks, strict=True)]
+    middles = [np.array([len(c.members) * float(c.mean @ c.mean)]) / made.step**2 for c in clusters]
+    sizes = {tag: 8.0 * len(payload) for tag, payload in made.sections}
+    everything = [np.concatenate(pair) for pair in zip(middles, energies, strict=True)]
+    return Worth(
+        frames,
+        share_of(sizes[FIELDS], energies, [len(c.members) for c in clusters]),
+        share_of(sizes[BASES], everything, [3 * frames] * len(clusters)),
+    )
 
 
 def repeated_frames(frames: FloatArray, tolerance: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -200,13 +221,12 @@ def open_group(
     sections: Mapping[str, memoryview], frames: int, vertices: int, faces: IntArray, memory: int
 ) -> TrajectoryGroup:
     """Decode the streams of a group: see `shapery_motion.profiles.Profile`."""
-    first_edition = FIELDS not in sections and FIRST_FIELDS in sections
-    for tag in (MODEL, BASES, FIRST_FIELDS if first_edition else FIELDS):
-        if tag not in sections:
-            raise damaged(tag, "is missing")
+    tag = next((tag for tag in (FIELDS, SECOND_FIELDS, FIRST_FIELDS) if tag in sections), FIELDS)
+    for needed in (MODEL, BASES, tag):
+        if needed not in sections:
+            raise damaged(needed, "is missing")
     graph = VertexGraph.of_faces(vertices, faces)
     model = GroupModel.unpack(sections[MODEL], frames, graph, memory)
-    tag = FIRST_FIELDS if first_edition else FIELDS
     basis_stream, field_stream = BasisStream(data=sections[BASES]), FieldStream(data=sections[tag])
     scratch = np.full(vertices, -1, dtype=np.int64)
     local = numbers_within(model.labels, model.members)
@@ -221,11 +241,14 @@ def open_group(
         bases.append(functions)
         basis_stream.stream.check_end(BASES)
         tree = PairingTree.of_members(graph, members, scratch)
-        if first_edition:
+        if tag == FIRST_FIELDS:
             found = field_stream.code(tree, rank)
         else:
-            border = Border.of_members(graph, members, model.labels, local)
-            found = field_stream.code(tree, rank, beside=border.predict(done, in_rows(functions)))
+            border, rows = Border.of_members(graph, members, model.labels, local), in_rows(functions)
+            if tag == SECOND_FIELDS:
+                found = field_stream.code(tree, rank, beside=border.predict(done, rows))
+            else:
+                found = field_stream.code_around_mean(tree, quantised, rows, border, done)
             done.append(DecodedCluster.of(found, functions))
         field_stream.stream.check_end(tag)
         fields.append(found * model.step)

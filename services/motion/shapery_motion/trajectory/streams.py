@@ -14,6 +14,7 @@ from shapery_motion.graph import VertexGraph
 from shapery_motion.trajectory import _basis_kernels, _field_kernels
 from shapery_motion.trajectory._field_kernels import SCALES
 from shapery_motion.trajectory._tree_kernels import pairing_tree
+from shapery_motion.trajectory.borders import Border, DecodedCluster
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -104,7 +105,7 @@ class BasisStream:
 
 
 class FieldStream:
-    """Streams TFLD and TFL2."""
+    """Streams TFLD, TFL2 and TFL3."""
 
     def __init__(self, *, data: memoryview | None = None, room: int = 0, trade: float = 0.0) -> None:
         sizes = _field_kernels.FIELD_SIZES
@@ -118,10 +119,12 @@ class FieldStream:
         rank: int,
         targets: FloatArray = _NO_TARGETS,
         beside: tuple[FloatArray, FloatArray] = _NOTHING_BESIDE,
+        carry: FloatArray = _NO_TARGETS,
     ) -> FloatArray:
         """Code the fields of a cluster, in units of the step; return them (rank, n) as a decoder has them.
 
-        `beside` is what `Border.predict` tells; without it the stream is of the first edition.
+        `beside` is what `Border.predict` tells; without it the stream is of the first edition. Encoding, `targets` (n,
+        rank) are changed: by `carry` (rank, rank), the share of a field's error that each later one takes over.
         """
         stream = self._stream
         quantised = np.zeros((rank, tree.vertices), dtype=np.int64)
@@ -134,6 +137,7 @@ class FieldStream:
                 *tree.parts,
                 *beside,
                 targets,
+                carry,
                 rank,
                 quantised,
                 decoded,
@@ -141,6 +145,40 @@ class FieldStream:
                 self._trade,
             )
         return decoded
+
+    def code_around_mean(
+        self,
+        tree: PairingTree,
+        quantised: IntArray,
+        functions: FloatArray,
+        border: Border,
+        before: list[DecodedCluster],
+        targets: FloatArray = _NO_TARGETS,
+        carry: FloatArray = _NO_TARGETS,
+    ) -> FloatArray:
+        """Code the fields of a cluster whose first function is its mean trajectory; return all (r, n).
+
+        Parameters
+        ----------
+        tree
+            Of the cluster.
+        quantised : (r, F, 3)
+            Cosine coefficients of its functions; of the first, in steps divided by the root of n.
+        functions : (r, 3 F)
+            The functions, of unit norm or 0.
+        border, before
+            Its border, and the clusters of lower number.
+        targets, carry
+            Without the mean: see `code`.
+        """
+        fields = np.zeros((len(quantised), tree.vertices))
+        if len(quantised):
+            first = quantised[0].reshape(-1).astype(np.float64)
+            # one after the other, as every decoder adds them
+            fields[0] = np.sqrt(np.cumsum(first * first)[-1]) / np.sqrt(tree.vertices)
+            beside = border.predict(before, functions[1:], fields[0, 0] * functions[0])
+            fields[1:] = self.code(tree, len(quantised) - 1, targets, beside, carry)
+        return fields
 
     @property
     def stream(self) -> Stream:

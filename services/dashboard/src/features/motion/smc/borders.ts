@@ -34,7 +34,10 @@ export function inRows(functions: Float64Array, rank: number): Float64Array {
   return rows;
 }
 
-/** Express what lies beyond a cluster's border by its own functions: section 5.2 of api_schema/smc.md. */
+/**
+ * Express what lies beyond a cluster's border by its own functions: section 5.2 of api_schema/smc.md. Its mean trajectory
+ * in steps is taken away first; it is empty where there is none.
+ */
 export function lookBeyond(
   { starts, neighbours }: Graph,
   members: Int32Array,
@@ -43,6 +46,7 @@ export function lookBeyond(
   before: readonly Decoded[],
   rank: number,
   rows: Float64Array,
+  mean: Float64Array,
 ): Beside {
   const label = labels[members[0] ?? 0] ?? 0;
   const owners: number[] = [];
@@ -71,6 +75,7 @@ export function lookBeyond(
       project(
         decoded,
         some.map((v) => place[v] as number),
+        mean,
         rank,
         rows,
         some.map((v) => numbers.get(v) as number),
@@ -100,6 +105,7 @@ export function lookBeyond(
 function project(
   { rank: others, vertices, fields, rows: theirs }: Decoded,
   inside: readonly number[],
+  mean: Float64Array,
   rank: number,
   rows: Float64Array,
   columns: readonly number[],
@@ -119,6 +125,9 @@ function project(
       }
     }
   }
+  mean.forEach((value, t) => {
+    for (let u = 0, at = t * count; u < count; u += 1, at += 1) rest[at] = (rest[at] as number) - value;
+  });
   for (let mode = 0; mode < rank; mode += 1) {
     column.fill(0);
     for (let t = 0; t < length; t += 1) {

@@ -14,21 +14,25 @@ function band(f: number): number {
   return Math.min(2 * length + ((f >> (length - 2)) & 1) - 2, 19);
 }
 
-/**
- * Decode a cluster's functions of time.
- *
- * Returns `frames` · `rank` · 3 values: where mode i stands at frame t is 3 (t · rank + i).
- */
-export function decodeFunctions(decoder: RangeDecoder, runs: readonly number[], rank: number): Float64Array {
+export interface Functions {
+  /** `frames` · `rank` · 3 values: where mode i stands at frame t is 3 (t · rank + i). */
+  values: Float64Array;
+  /** The norm of the first mode's coefficients. */
+  first: number;
+}
+
+/** Decode a cluster's functions of time. */
+export function decodeFunctions(decoder: RangeDecoder, runs: readonly number[], rank: number): Functions {
   const frames = runs.reduce((sum, length) => sum + length, 0);
   const coefficients = new Int32Array(rank * frames * 3);
   decodeCoefficients(decoder, runs, rank, frames, coefficients);
   const values = new Float64Array(frames * rank * 3);
-  const scales = Float64Array.from({ length: rank }, (_, mode) => {
+  const norms = Float64Array.from({ length: rank }, (_, mode) => {
     let total = 0;
     for (let at = mode * frames * 3; at < (mode + 1) * frames * 3; at += 1) total += (coefficients[at] ?? 0) ** 2;
-    return total > 0 ? 1 / Math.sqrt(total) : 0;
+    return Math.sqrt(total);
   });
+  const scales = norms.map((norm) => (norm > 0 ? 1 / norm : 0));
   let first = 0;
   for (const length of runs) {
     const table = Float64Array.from({ length: 4 * length }, (_, k) => Math.cos((Math.PI * k) / (2 * length)));
@@ -48,7 +52,7 @@ export function decodeFunctions(decoder: RangeDecoder, runs: readonly number[], 
     }
     first += length;
   }
-  return values;
+  return { values, first: norms[0] ?? 0 };
 }
 
 function decodeCoefficients(

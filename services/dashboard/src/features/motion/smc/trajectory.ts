@@ -14,6 +14,9 @@ const RUNS = RANK + 64;
 const LENGTH = RUNS + 64;
 const MODEL_SLOTS = LENGTH + 64;
 
+/** The streams of fields of versions 1.2, 1.1 and 1.0. */
+const EDITIONS = ["TFL3", "TFL2", "TFLD"];
+
 interface Cluster {
   members: Int32Array;
   rank: number;
@@ -78,8 +81,7 @@ export class TrajectoryGroup {
 
     const time = new RangeDecoder(section("TBAS"), FUNCTION_SLOTS, FUNCTION_ROWS);
     const functions = named("TBAS", () => model.runs.map((runs, k) => decodeFunctions(time, runs, ranks[k] ?? 0)));
-    const firstEdition = !sections.has("TFL2") && sections.has("TFLD");
-    const tag = firstEdition ? "TFLD" : "TFL2";
+    const tag = EDITIONS.find((edition) => sections.has(edition)) ?? "TFL3";
     const space = new RangeDecoder(section(tag), FIELD_SLOTS, FIELD_ROWS);
     const place = new Int32Array(vertices);
     for (const some of members) some.forEach((v, index) => (place[v] = index));
@@ -87,13 +89,24 @@ export class TrajectoryGroup {
     this.#clusters = named(tag, () =>
       members.map((some, k) => {
         const rank = ranks[k] ?? 0;
-        const own = functions[k] ?? new Float64Array(0);
+        const { values, first } = functions[k] ?? { values: new Float64Array(0), first: 0 };
         const tree = pairingTree(subgraph(graph, some, place, model.labels));
-        const rows = firstEdition ? own : inRows(own, rank);
-        const beside = firstEdition ? null : lookBeyond(graph, some, model.labels, place, done, rank, rows);
-        const fields = decodeFields(space, tree, rank, beside);
-        done.push({ rank, vertices: some.length, fields, rows });
-        return { members: some, rank, fields, functions: own };
+        if (tag === "TFLD")
+          return { members: some, rank, fields: decodeFields(space, tree, rank, null), functions: values };
+        const rows = inRows(values, rank);
+        const n = some.length;
+        const fields = new Float64Array(rank * n);
+        // in the third edition the first function is the cluster's mean trajectory
+        const means = tag === "TFL3" ? Math.min(rank, 1) : 0;
+        const length = rank > 0 ? rows.length / rank : 0;
+        const level = first / Math.sqrt(n);
+        const mean = rows.subarray(0, means * length).map((value) => level * value);
+        const others = rows.subarray(means * length);
+        const beside = lookBeyond(graph, some, model.labels, place, done, rank - means, others, mean);
+        if (means) fields.fill(level, 0, n);
+        if (rank > means) fields.set(decodeFields(space, tree, rank - means, beside), means * n);
+        done.push({ rank, vertices: n, fields, rows });
+        return { members: some, rank, fields, functions: values };
       }),
     );
     for (const { fields } of this.#clusters) fields.forEach((value, at) => (fields[at] = value * step));
@@ -145,7 +158,7 @@ function readModel(
   }
   if (soFar !== keptFrames) throw new RangeError("keeps another number of frames than it tells");
   const ranks = Array.from({ length: count }, () => decoder.number(RANK));
-  if (ranks.some((rank) => rank > 3 * keptFrames)) throw new RangeError("has more modes than frames");
+  if (ranks.some((rank) => rank > 3 * keptFrames + 1)) throw new RangeError("has more modes than frames");
   const runs = ranks.map(() => {
     const lengths: number[] = [];
     for (let rest = keptFrames, j = 0; rest > 0; j += 1) {
