@@ -25,6 +25,7 @@ from scipy import ndimage
 from shapery_contracts.errors import InvalidInput
 from shapery_contracts.segmentation import Alignment
 from shapery_geometry.volume import Volume
+from shapery_segmentation import _registration_kernels as kernels
 from shapery_segmentation.concurrent import at_once, both
 from shapery_segmentation.preparation import averaged
 
@@ -271,7 +272,7 @@ class _Pair:
         chosen = index[rng.integers(0, len(index), POINTS)]
         # Anywhere in the voxels: at their centres one volume would be interpolated and the other not, and agreement
         # would jump where the grids meet.
-        self.points = self.fixed.to_world(chosen + rng.uniform(-0.5, 0.5, chosen.shape))
+        self.points = np.ascontiguousarray(self.fixed.to_world(chosen + rng.uniform(-0.5, 0.5, chosen.shape)))
         values, _ = _sampled(self.fixed, self.points)
         self.fixed_bins = _bins(values)
         low, high = np.percentile(self.moving.data[_head(self.moving)], (0.5, 99.5))
@@ -283,21 +284,15 @@ class _Pair:
 
     def agreement(self, transform: FloatArray) -> float:
         """Return the mutual information in nat with the moving volume moved; 0 where they hardly overlap."""
-        values, inside = _sampled(self.moving, self._back(transform))
-        count = int(np.count_nonzero(inside))
-        if count < 0.2 * len(inside):
+        # To the moving volume's index: back to where its file says, and from there into its grid.
+        into = np.linalg.inv(transform @ self.moving.affine)
+        matrix, offset = np.ascontiguousarray(into[:3, :3]), np.ascontiguousarray(into[:3, 3])
+        joint = np.empty((BINS, BINS))
+        data = self.moving.data
+        count = kernels.joint_histogram(data, matrix, offset, self.points, self.fixed_bins, *self.range, joint)
+        if count < 0.2 * len(self.points):
             return 0.0
-        low, high = self.range
-        # A value counts for the two classes it lies between: the measure is then smooth in the place.
-        at = np.clip((values[inside] - low) / max(high - low, 1e-30), 0.0, 1.0) * (BINS - 2)
-        lower = at.astype(np.int64)
-        part = at - lower
-        cell = self.fixed_bins[inside] * BINS + lower
-        joint = np.bincount(cell, 1.0 - part, BINS * BINS) + np.bincount(cell + 1, part, BINS * BINS)
-        p = joint.reshape(BINS, BINS) / count
-        both = np.outer(p.sum(axis=1), p.sum(axis=0))
-        seen = p > 0
-        return float((p[seen] * np.log(p[seen] / both[seen])).sum())
+        return float(kernels.mutual_information(joint, count))
 
     def way_up(self, start: FloatArray, here: float, beside: float) -> FloatArray:
         """Return how far along each of six axes (mm, degrees) the place of best agreement lies from `start`.

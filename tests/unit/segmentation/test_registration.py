@@ -6,11 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy import ndimage
 
 from shapery_contracts.errors import InvalidInput
 from shapery_contracts.segmentation import Alignment
 from shapery_geometry.volume import Volume
 from shapery_geometry.volume_io import read_volume
+from shapery_segmentation import _registration_kernels as kernels
 from shapery_segmentation.phantoms import HeadPhantom, head_phantom
 from shapery_segmentation.registration import Registration, align, register, rigid, rotation_degrees
 
@@ -107,3 +109,28 @@ def test_a_known_transform_of_a_real_case_is_undone(shared_data: Path) -> None:
     rest = found.transform @ np.linalg.inv(transform)
     away = np.linalg.norm((PLACES + centre) @ rest[:3, :3].T + rest[:3, 3] - PLACES - centre, axis=1)
     assert away.mean() < 0.5
+
+
+def test_mutual_information_is_that_of_the_joint_histogram() -> None:
+    rng = np.random.default_rng(5)
+    data = rng.uniform(0.0, 9.0, (7, 8, 6)).astype(np.float32)
+    points = rng.uniform(-2.0, 9.0, (4000, 3))
+    fixed = rng.integers(0, 16, len(points))
+    joint = np.empty((16, 16))
+    count = kernels.joint_histogram(data, np.eye(3), np.zeros(3), points, fixed, 1.0, 8.0, joint)
+
+    inside = ((points >= -0.5) & (points <= np.array(data.shape) - 0.5)).all(axis=1)
+    values = ndimage.map_coordinates(data.astype(np.float64), points[inside].T, order=1, mode="nearest")
+    at = np.clip((values - 1.0) / 7.0, 0.0, 1.0) * 14
+    expected = np.zeros((16, 16))
+    np.add.at(expected, (fixed[inside], at.astype(int)), 1.0 - at % 1.0)
+    np.add.at(expected, (fixed[inside], at.astype(int) + 1), at % 1.0)
+    assert count == inside.sum()
+    np.testing.assert_allclose(joint, expected, atol=1e-9)
+
+    p = expected / count
+    independent = np.outer(p.sum(axis=1), p.sum(axis=0))
+    seen = p > 0
+    assert kernels.mutual_information(joint, count) == pytest.approx(
+        (p[seen] * np.log(p[seen] / independent[seen])).sum()
+    )
