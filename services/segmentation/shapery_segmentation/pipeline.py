@@ -193,7 +193,7 @@ def segment(
         if around is not None:
             labels[(labels == 0) & around.vessel_voxels] = VESSEL
             labels[(labels != OBJECT) & (labels != ENCLOSED) & around.bleeding_voxels] = MICROHEMORRHAGE
-        counts = np.bincount(labels.ravel(), minlength=5)
+        counts = np.bincount(labels[labels > 0], minlength=5)
         described = [describe(item, number, post.voxel_volume) for number, item in enumerate(found, start=1)]
         told = {} if around is None else describe_surroundings(around)
 

@@ -7,6 +7,7 @@ not depend on how the file stores its axes); others are resampled. Lengths are m
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from typing import Any
 
@@ -69,8 +70,28 @@ class WorkingGrid:
             full = np.zeros(self.reorientation.target_shape, dtype=np.bool_)
             full[self._box] = mask
             return np.ascontiguousarray(self.reorientation.undo_array(full))
-        values = Volume(mask.astype(np.float32), self.affine).resampled_to(self.source, fill=0.0).data
-        return np.asarray(values >= 0.5)
+        out = np.zeros(self.source.shape, dtype=np.bool_)
+        if mask.any():
+            box = self._box_on_source(mask)
+            part = np.broadcast_to(np.zeros((), np.uint8), tuple(s.stop - s.start for s in box))
+            affine = self.source.affine.copy()
+            affine[:3, 3] = self.source.to_world([s.start for s in box])
+            values = Volume(mask.astype(np.float32), self.affine).resampled_to(Volume(part, affine), fill=0.0).data
+            out[box] = values >= 0.5
+        return out
+
+    def _box_on_source(self, mask: BoolArray) -> tuple[slice, slice, slice]:
+        """Return the part of the grid that was given that voxels of `mask`, not empty, reach."""
+        ends = [
+            np.flatnonzero(mask.any(axis=tuple(a for a in range(3) if a != axis)))[[0, -1]] + (-1, 1)
+            for axis in range(3)
+        ]
+        corners = np.array(list(itertools.product(*ends)), dtype=np.float64)
+        index = self.source.to_index(corners @ self.affine[:3, :3].T + self.affine[:3, 3])
+        low = np.clip(np.floor(index.min(axis=0)), 0, np.array(self.source.shape) - 1).astype(int)
+        high = np.clip(np.ceil(index.max(axis=0)) + 1, low + 1, self.source.shape).astype(int)
+        i, j, k = (slice(int(a), int(b)) for a, b in zip(low, high, strict=True))
+        return i, j, k
 
     def sample(self, volume: Volume) -> FloatArray:
         """Return `volume` on this grid: interpolated, averaged first where its voxels are finer; NaN outside."""

@@ -81,8 +81,6 @@ class VolumeStatistics:
     non_finite: int
     minimum: float
     maximum: float
-    mean: float
-    std: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,7 +200,7 @@ class Volume:
         return bool(distance <= tolerance * min(self.spacing))
 
     def statistics(self) -> VolumeStatistics:
-        """Return figures of the finite voxels, in float64."""
+        """Return figures of the finite voxels."""
         values = self.data
         if values.dtype.kind == "f":
             finite = np.isfinite(values)
@@ -213,14 +211,12 @@ class Volume:
         missing = self.data.size - count
         if count == 0:
             nan = float("nan")
-            return VolumeStatistics(0, missing, nan, nan, nan, nan)
+            return VolumeStatistics(0, missing, nan, nan)
         return VolumeStatistics(
             finite=count,
             non_finite=missing,
             minimum=float(values.min()),
             maximum=float(values.max()),
-            mean=float(values.mean(dtype=np.float64)),
-            std=float(values.std(dtype=np.float64)),
         )
 
     def finite(self) -> npt.NDArray[np.bool_]:
