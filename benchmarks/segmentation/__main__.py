@@ -42,7 +42,7 @@ def main() -> None:
         print(f"no real cases in {given.data.name}: put the data beside the checkout, or set SHAPERY_TEST_DATA")
     key = digest(digest_sources(*OUR_SOURCES), (Path(__file__).parent / "ours.py").read_text())
     process = ours.Ours()
-    results: dict[str, Any] = {"machine": _machine()}
+    results: dict[str, Any] = {"machine": _machine(), "parts": given.part}
     if "real" in given.part or "peers" in given.part:
         results["real"] = [_ours(case, process, cache, key) for case in real]
     counted = [c for c, row in zip(real, results.get("real", []), strict=False) if _counts(row)]
@@ -129,11 +129,14 @@ def _machine() -> dict[str, Any]:
 
 def document(results: dict[str, Any]) -> str:
     """Return the Markdown page."""
-    machine = results["machine"]
+    machine, parts = results["machine"], results.get("parts", PARTS)
+    command = "make bench-segmentation"
+    if set(parts) != set(PARTS):
+        command = f"python -m benchmarks.segmentation --part {' '.join(parts)}"
     text = [
         "# Segmentation",
         "",
-        "Made by `make bench-segmentation`: automatic seeds, one default setting for all cases, from files to files,",
+        f"Made by `{command}`: automatic seeds, one default setting for all cases, from files to files,",
         "one thread, kernels loaded. ASSD, HD95 and the volume's difference are of the enhancing part. Where the",
         "expert marked no enhancing tumor there is nothing to overlap: what counts is that no object is found. The",
         "expert's core includes tumor that does not enhance, which the method cannot see by its nature.",

@@ -72,6 +72,19 @@ def test_voxels_near_a_millimetre_are_kept_bit_for_bit() -> None:
     np.testing.assert_array_equal(grid.to_source(mask), mask)
 
 
+def test_a_mask_on_another_grid_is_worked_out_where_it_is_and_is_the_same() -> None:
+    turn = np.diag([0.6, 0.5, 2.0]) @ np.array([[0.8, 0.6, 0.0], [-0.6, 0.8, 0.0], [0.0, 0.0, 1.0]])
+    placed = np.eye(4)
+    placed[:3] = np.column_stack((turn.T, (-30.0, 10.0, 4.0)))
+    source = Volume(np.zeros((60, 50, 20), np.int16), placed)
+    grid = working_grid(source)
+    for corner in ((18, 14, 10), (2, 3, 0), (26, 22, 30)):
+        mask = np.zeros(grid.shape, bool)
+        mask[tuple(slice(c, c + 9) for c in corner)] = True
+        whole = Volume(mask.astype(np.float32), grid.affine).resampled_to(source, fill=0.0).data >= 0.5
+        np.testing.assert_array_equal(grid.to_source(mask), whole)
+
+
 def test_other_voxels_are_resampled_to_a_millimetre() -> None:
     source = Volume(DATA, affine((0.5, 1.0, 3.0)))
     grid = working_grid(source)
