@@ -25,11 +25,11 @@ _ROOT = Path(__file__).resolve().parents[2]
 _COMPARING = frozenset(
     f"{name}.py"
     for name in (
-        "_matching_kernels", "commands", "job", "laid_out", "local", "matching", "packing", "preview", "ranking",
-        "report", "search", "vector", "vectors", "vocabulary", "warm", "threads",
+        "_matching_kernels", "arg", "commands", "job", "laid_out", "local", "matching", "packing", "preview", "ranking",
+        "report", "search", "vector", "vectors", "vocabulary", "warm", "threads", "resampling", "_resampling_kernels",
     )
 )  # fmt: skip
-"""Sources that compare graphs or show shapes, and do not change what is computed from a mesh."""
+"""Sources that compare graphs, show shapes or are of volumes, and do not change what is computed from a mesh."""
 
 
 def _digest() -> str:

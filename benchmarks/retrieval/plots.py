@@ -29,7 +29,7 @@ def draw_class_matrix(matrix: Array, names: Sequence[str], path: Path) -> None:
 
 def draw_precision_recall(curves: Mapping[str, tuple[Array, Array]], path: Path) -> None:
     """Fig. 4.9: precision and recall against the number of shapes retrieved, and against each other."""
-    figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.6), layout="constrained")
+    figure, (left, right) = plt.subplots(1, 2, figsize=(13, 4.6), layout="constrained")
     for index, (name, (precision, recall)) in enumerate(curves.items()):
         colour = f"C{index % 10}"
         shown = min(100, len(precision))
@@ -38,7 +38,7 @@ def draw_precision_recall(curves: Mapping[str, tuple[Array, Array]], path: Path)
         right.plot(recall, precision, color=colour, label=name)
     left.set(xlabel="shapes retrieved", ylabel="precision (line), recall (dashed)", ylim=(0, 1.02))
     right.set(xlabel="recall", ylabel="precision", xlim=(0, 1), ylim=(0, 1.02))
-    right.legend(fontsize=8, loc="lower left")
+    figure.legend(*right.get_legend_handles_labels(), fontsize=8, loc="outside right center")
     for axes in (left, right):
         axes.grid(alpha=0.3)
     figure.savefig(path, dpi=120)

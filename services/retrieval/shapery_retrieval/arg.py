@@ -6,10 +6,12 @@ for the same graph, and is read back bit for bit; damaged or foreign bytes are r
 
 from __future__ import annotations
 
+import math
 import struct
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from types import MappingProxyType
 from typing import Any
 
@@ -164,13 +166,19 @@ def _level(arrays: dict[str, NDArray[Any]], number: int, above: int, trusted: bo
             bool((parents == -1).all()) if number == 0 else bool(((parents >= 0) & (parents < above)).all()),
             "a part has no parent",
         )
+    # each pair was written once
+    place = _places(k)
+    touching = np.unpackbits(adjacency, count=pairs).view(np.bool_)
+    return Level(masses, features, distances[place], touching[place], parents)
+
+
+@lru_cache(maxsize=2 * MAX_PARTS)
+def _places(k: int) -> NDArray[np.intp]:
+    """(k, k) where each pair of k parts is among those of the upper triangle."""
     upper = np.triu_indices(k)
-    square = np.zeros((k, k), dtype=np.float32)
-    square[upper] = distances
-    square.T[upper] = distances
-    touching = np.zeros((k, k), dtype=bool)
-    touching[upper] = np.unpackbits(adjacency)[:pairs].astype(bool)
-    return Level(masses, features, square, touching | touching.T, parents)
+    place = np.empty((k, k), dtype=np.intp)
+    place[upper] = place.T[upper] = np.arange(len(upper[0]))
+    return place
 
 
 def _packed(name: str, values: NDArray[Any]) -> bytes:
@@ -206,7 +214,7 @@ def _unpacked(data: bytes) -> tuple[int, dict[str, NDArray[Any]]]:
         place += length
         shape = struct.unpack_from(f"<{dimensions}I", data, place)
         place += 4 * dimensions
-        items = int(np.prod(shape, dtype=np.object_)) if shape else 1
+        items = math.prod(shape)
         dtype = _DTYPES[code]
         _demand(name not in arrays and place + items * dtype.itemsize <= len(data), "an array in it is damaged")
         values = np.frombuffer(data, dtype, items, place).reshape(shape)
