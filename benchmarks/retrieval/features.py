@@ -22,14 +22,12 @@ from shapery_retrieval.patches import SHARES, Patches
 
 CACHE = Path(os.environ.get("SHAPERY_BENCH_CACHE", Path(tempfile.gettempdir()) / "shapery-bench"))
 _ROOT = Path(__file__).resolve().parents[2]
-_COMPARING = frozenset(
-    f"{name}.py"
-    for name in (
-        "_matching_kernels", "arg", "commands", "job", "laid_out", "local", "matching", "packing", "preview", "ranking",
-        "report", "search", "vector", "vectors", "vocabulary", "warm", "threads", "resampling", "_resampling_kernels",
-    )
+_COMPARING = (
+    "_matching_kernels", "arg", "commands", "job", "laid_out", "local", "matching", "packing", "preview", "ranking",
+    "report", "search", "vector", "vectors", "vocabulary", "warm", "threads",
 )  # fmt: skip
-"""Sources that compare graphs, show shapes or are of volumes, and do not change what is computed from a mesh."""
+"""Sources that compare graphs, keep or show them, and do not change what is computed from a mesh."""
+_OF_VOLUMES = ("_rasterize_kernels", "_resampling_kernels", "mask_metrics", "rasterize", "resampling", "volume")
 
 
 def _digest() -> str:
@@ -37,8 +35,7 @@ def _digest() -> str:
     for package in (shapery_geometry, shapery_retrieval):
         folder = Path(str(package.__file__)).parent
         for path in sorted((*folder.rglob("*.py"), *folder.rglob("*.npz"))):
-            # what compares graphs does not change them
-            if path.name not in _COMPARING:
+            if path.stem not in (*_COMPARING, *_OF_VOLUMES) and path.parent.name != "volume_io":
                 digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
 
