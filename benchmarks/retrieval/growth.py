@@ -34,7 +34,7 @@ WAY = 0.6
 CHUNK = 1000
 MOST_GRAPHS = 100_000
 NAMES = ("masses", "features", "squares", "distances", "own", "parts")
-QUERIES = 20
+QUERIES = 10
 NEAREST = 200
 """So many nearest by each cue are looked at by the exhaustive search besides those that its graphs find."""
 
