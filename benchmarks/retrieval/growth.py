@@ -110,8 +110,7 @@ class Grown:
                 level.masses[start], features, squares, level.distances[start] * stretch,
                 np.zeros(count, np.float32), level.parts[start],
             )  # fmt: skip
-            own = np.array([bare.costs(bare, i, np.array([i]))[0] for i in range(count)], dtype=np.float32)
-            found.append(PackedLevel(bare.masses, features, squares, bare.distances, own, bare.parts))
+            found.append(bare.with_own())
         return found, vectors_of(found, moved)
 
 

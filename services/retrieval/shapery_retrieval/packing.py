@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,11 +73,7 @@ class PackedLevel:
     def node_costs(self, other: PackedLevel, index: int, chosen: NDArray[np.int64]) -> Array32:
         """(c, k, l) squared distances between the features of the parts of one graph and those of the chosen ones."""
         own = np.ascontiguousarray(self.features[index].T)
-        costs = np.matmul(own, other.features[chosen])
-        costs *= np.float32(-2.0)
-        costs += self.squares[index][:, None]
-        costs += other.squares[chosen][:, None, :]
-        return np.asarray(np.maximum(costs, np.float32(0.0), out=costs))
+        return _squared(own @ other.features[chosen], self.squares[index][None], other.squares[chosen])
 
     def costs(self, other: PackedLevel, index: int, chosen: NDArray[np.int64], *, relaxed: bool = False) -> Array32:
         """(c,) cost of the graph at `index` against the chosen ones of `other`."""
@@ -89,6 +85,18 @@ class PackedLevel:
             for some in np.split(chosen, range(AT_ONCE, len(chosen), AT_ONCE))
         ]  # fmt: skip
         return np.concatenate(found)
+
+    def with_own(self) -> PackedLevel:
+        """Return the same graphs with what each costs with itself."""
+        own = np.empty(len(self), np.float32)
+        for begin in range(0, len(self), AT_ONCE):
+            some = slice(begin, begin + AT_ONCE)
+            features, squares = self.features[some], self.squares[some]
+            nodes = _squared(features.transpose(0, 2, 1) @ features, squares, squares)
+            own[some] = kernels.transport_to_self(
+                nodes, self.masses[some], self.distances[some], ALPHA, EPSILON, OUTER, ROUNDS
+            )
+        return replace(self, own=own)
 
     def divergences(self, other: PackedLevel, index: int, chosen: NDArray[np.int64]) -> Array32:
         """(c,) costs less the mean of what both cost with themselves: never negative, zero for the graph itself."""
@@ -120,9 +128,15 @@ def pack_level(args: Sequence[Arg], level: int, blocks: Blocks = BLOCKS) -> Pack
     squares = np.einsum("nkd,nkd->nk", features, features)
     features = np.ascontiguousarray(features.transpose(0, 2, 1))
     parts = np.array([arg.levels[level].parts for arg in args])
-    bare = PackedLevel(masses, features, squares, distances, np.zeros(n, np.float32), parts)
-    own = np.array([bare.costs(bare, i, np.array([i]))[0] for i in range(n)], dtype=np.float32)
-    return PackedLevel(masses, features, squares, distances, own, parts)
+    return PackedLevel(masses, features, squares, distances, np.zeros(n, np.float32), parts).with_own()
+
+
+def _squared(products: Array32, left: Array32, right: Array32) -> Array32:
+    """(c, k, l) squared distances from inner products and squared lengths; the products are overwritten."""
+    products *= np.float32(-2.0)
+    products += left[:, :, None]
+    products += right[:, None, :]
+    return np.asarray(np.maximum(products, np.float32(0.0), out=products))
 
 
 def pack_levels(args: Sequence[Arg]) -> tuple[PackedLevel, ...]:
