@@ -93,7 +93,7 @@ bench-segmentation: setup ## measure segmentation: real cases, peers, phantoms, 
 	$(BIN)/python -m benchmarks.segmentation
 	$(BIN)/python -m benchmarks.segmentation.vessels
 
-bench-retrieval: setup ## measure retrieval: the dissertation's figures and table, peers, wear, cost
+bench-retrieval: setup ## measure retrieval: figures and table, peers, wear, parts, cost, growth (goes on where it stopped; BENCH="parts of it")
 	$(BIN)/python -m benchmarks.retrieval $(BENCH)
 
 clean: ## remove what set-up and builds made
