@@ -82,8 +82,9 @@ lock: $(VENV)/.locked ## resolve the locked versions anew (UPGRADE=1 takes newer
 	$(BIN)/python -m pip install --quiet uv
 	deploy/lock.sh $(BIN)/uv $(if $(UPGRADE),--upgrade)
 
-bench: setup bench-segmentation ## measure: segmentation beside peers, upload memory, searches over HTTP
+bench: setup bench-segmentation ## measure: segmentation beside peers, upload memory, searches over HTTP, the dashboard
 	$(BIN)/python -m benchmarks.upload_memory
+	$(BIN)/python -m benchmarks.dashboard
 	$(BIN)/python -m benchmarks.search_over_http
 
 bench-motion: setup ## measure motion compression beside its peers; takes long, goes on where it was stopped (BENCH=options)

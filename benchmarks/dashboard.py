@@ -24,7 +24,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -59,7 +59,10 @@ PAGES = {
     "Settings": ("/settings", "Make a key"),
 }
 """Pages without a viewer: their paths, and a text that is there once they can be used."""
+PARTS = ("loads", "viewers", "playback", "wall", "memory", "jobs")
 FPS = 60
+PROCESSES = {"--type=renderer": "pages", "--type=gpu-process": "drawing"}
+"""What the browser's processes are told to be, and what they do."""
 
 
 @contextmanager
@@ -233,7 +236,9 @@ def playback(browser: Any, url: str, job: str) -> dict[str, float]:
     page.locator("section[aria-label=Motion][data-status=ready]").wait_for()
     page.get_by_role("button", name="Play", exact=True).click()
     page.wait_for_timeout(1_500)
+    before = processor_seconds()
     shown = page.evaluate(SHOWN, 6_000)
+    drawn = processor_seconds() - before
     page.get_by_role("button", name="Pause", exact=True).click()
     script = next(path for path in (STATIC / "assets").iterdir() if re.fullmatch(r"player\.worker-.*\.js", path.name))
     decoded = page.evaluate(DECODED, [f"/assets/{script.name}", f"/v1/jobs/{job}/artifacts/motion.smc", 360])
@@ -241,6 +246,7 @@ def playback(browser: Any, url: str, job: str) -> dict[str, float]:
     return {
         "asked_fps": FPS,
         "shown_fps": round((len(shown) - 1) / ((shown[-1] - shown[0]) / 1000), 1),
+        "cpu_ms_per_frame": round(1000 * drawn / len(shown)),
         "open_ms": round(decoded["open"], 1),
         "decode_ms": round(statistics.median(decoded["times"][120:]), 2),
     }
@@ -314,7 +320,8 @@ def memory(browser: Any, url: str, paths: Sequence[str], views: int) -> dict[str
     session = page.context.new_cdp_session(page)
     page.goto(f"{url}/jobs")
     page.get_by_text("Progress and outcome").wait_for()
-    heaps, nodes, resident = [], [], []
+    heaps, nodes = [], []
+    held: dict[str, list[float]] = {kind: [] for kind in PROCESSES}
     for view in range(views):
         path = paths[view % len(paths)]
         page.evaluate(FOLLOW, path)
@@ -325,29 +332,38 @@ def memory(browser: Any, url: str, paths: Sequence[str], views: int) -> dict[str
         session.send("HeapProfiler.collectGarbage")
         heaps.append(session.send("Runtime.getHeapUsage")["usedSize"] / 1e6)
         nodes.append(session.send("Memory.getDOMCounters")["nodes"])
-        resident.append(processes())
+        for kind, told in held.items():
+            told.append(sum(process.memory_info().rss for process in processes(kind)) / 1e6)
     page.context.close()
     settled = views // 5
     return {
         "views": views,
-        "heap_mb": [round(value, 1) for value in (heaps[0], heaps[settled], heaps[-1])],
-        "heap_kb_per_view": round(1000 * slope(heaps[settled:]), 1),
         "nodes": [nodes[0], nodes[settled], nodes[-1]],
-        "resident_mb": [round(value) for value in (resident[0], resident[settled], resident[-1])],
-        "resident_kb_per_view": round(1000 * slope(resident[settled:])),
+        "heap_mb": growth(heaps, settled),
+        **{f"{name}_mb": growth(held[kind], settled) for kind, name in PROCESSES.items()},
     }
 
 
-def processes() -> float:
-    """Return what the browser's processes hold that draw and run pages, in MB."""
-    held = 0
+def growth(values: Sequence[float], settled: int) -> dict[str, Any]:
+    """Tell how something grows from view to view: every tenth value, and the slope once caches are filled."""
+    return {
+        "every_tenth": [round(value, 1) for value in values[9::10]],
+        "kb_per_view": round(1000 * slope(values[settled:]), 1),
+    }
+
+
+def processes(kind: str) -> Iterator[psutil.Process]:
+    """Find the browser's processes of a kind."""
     for child in psutil.Process().children(recursive=True):
-        try:
-            if any(kind in child.cmdline() for kind in ("--type=renderer", "--type=gpu-process")):
-                held += child.memory_info().rss
-        except psutil.NoSuchProcess:
-            continue
-    return held / 1e6
+        with suppress(psutil.NoSuchProcess):
+            if kind in child.cmdline():
+                yield child
+
+
+def processor_seconds() -> float:
+    """Return the processor time that the processes that run and draw pages have taken."""
+    times = [process.cpu_times() for kind in PROCESSES for process in processes(kind)]
+    return sum(one.user + one.system for one in times)
 
 
 def slope(values: Sequence[float]) -> float:
@@ -363,18 +379,23 @@ def table(heads: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
 
 def report(found: dict[str, Any]) -> str:
     """Tell in words what was measured."""
-    played, wall, jobs, held = found["playback"], found["wall"], found["jobs"], found["memory"]
-    loads = [
-        (name, one["kilobytes"], one["interactive_s"], one["main_thread_s"]) for name, one in found["loads"].items()
+    played, wall, jobs, held = (found[name]["found"] for name in ("playback", "wall", "jobs", "memory"))
+    loads = [(name, *one.values()) for name, one in found["loads"]["found"].items()]
+    viewers = [(name, *one.values()) for name, one in found["viewers"]["found"].items()]
+    memories = [
+        (name, ", ".join(map(str, held[key]["every_tenth"])), held[key]["kb_per_view"])
+        for name, key in (("heap", "heap_mb"), ("page process", "pages_mb"), ("drawing process", "drawing_mb"))
     ]
-    viewers = [(name, one["app_kilobytes"], one["all_kilobytes"]) for name, one in found["viewers"].items()]
+    conditions = ", ".join(f"{name} {found[name]['load']}" for name in PARTS)
+    versions = " and ".join(sorted({part["browser"] for part in found.values()}))
     return f"""# The dashboard
 
-Embedded profile, headless Chromium {found["browser"]} that draws by the processor (SwiftShader), {found["processors"]}
-processors, load {found["load"]} before the run, 1280 × 720, everything from an empty cache.
+Embedded profile, headless Chromium {versions} that draws by the processor (SwiftShader) on a machine of
+{found["loads"]["processors"]} processors without a graphics card, 1280 × 720, an empty cache. Others worked on the
+machine: its load before each part was {conditions}.
 
-Pages without a viewer: what goes over the network, the time until the page can be used (its content is there, and no
-task of more than 50 ms has run since), and how long the main thread was busy; medians of {found["rounds"]}.
+Pages without a viewer: what goes over the network, compressed; the time until the page can be used (its content is
+there, and no task of more than 50 ms has run since); and how long the main thread was busy. Medians.
 
 {table(("page", "kB", "usable after s", "main thread s"), loads)}
 
@@ -382,17 +403,20 @@ Pages with a viewer: scripts, styles and fonts, and all with the data that is sh
 
 {table(("page", "app kB", "all kB"), viewers)}
 
-Playback at 10,000 vertices and {played["asked_fps"]} frames/s asked for: {played["shown_fps"]} frames/s shown. Opening
-the file takes {played["open_ms"]} ms, decoding a frame {played["decode_ms"]} ms in the player's thread.
+Playback at 10,000 vertices, {played["asked_fps"]} frames/s asked for: {played["shown_fps"]} frames/s shown, at
+{played["cpu_ms_per_frame"]} ms of processor time a frame in the browser's page and drawing processes together. Opening
+the file takes {played["open_ms"]} ms, decoding a frame {played["decode_ms"]} ms in the player's thread; the
+rest is drawing.
 
 A wall of {wall["rows"]:,} shapes, scrolled through its middle: {wall["fps"]} frames/s, {wall["p95_ms"]} ms between
 frames at the 95th percentile, {wall["longest_ms"]} ms at the most, {wall["elements"]} elements in the page. With
 {jobs["jobs"]:,} jobs the next page of their list is there after {jobs["next_page_ms"]} ms.
 
-Memory over {held["views"]} views of a segmentation, a motion and a shape in turn, collected after each: heap
-{" → ".join(map(str, held["heap_mb"]))} MB (after the first, a fifth, all), {held["heap_kb_per_view"]} kB a view
-from then on; nodes of documents {" → ".join(map(str, held["nodes"]))}; the browser's drawing and page processes
-{" → ".join(map(str, held["resident_mb"]))} MB, {held["resident_kb_per_view"]} kB a view.
+Memory over {held["views"]} views of a segmentation, a motion and a shape in turn, garbage collected after each; MB
+after every tenth view, and kB a view by a line through the last four fifths. Nodes of documents went from
+{held["nodes"][1]} after a fifth to {held["nodes"][2]}.
+
+{table(("memory", "MB after every tenth view", "kB a view"), memories)}
 """
 
 
@@ -401,41 +425,38 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Measure the dashboard in a browser.")
     parser.add_argument("--rounds", type=int, default=5, help="loads of each page")
     parser.add_argument("--views", type=int, default=100, help="views over which memory is watched")
+    parser.add_argument("--only", nargs="+", choices=PARTS, default=PARTS, help="what is measured; the rest stays")
     parser.add_argument("--jobs", type=int, default=10_000, help="jobs in the list, and shapes on the wall")
     options = parser.parse_args()
     load = os.getloadavg()[0]
+    written = RESULTS / "dashboard.json"
+    found: dict[str, Any] = json.loads(written.read_text()) if written.is_file() else {}
     os.environ["SHAPERY_RATE_LIMIT_PER_MINUTE"] = "0"
     with tempfile.TemporaryDirectory() as folder, platform(Path(folder)) as (url, _), Client(url) as client:
         ids = fill(client, Path(folder))
         [shape] = httpx.get(f"{url}/v1/shapes").raise_for_status().json()["items"]
         with chromium() as browser:
-            found: dict[str, Any] = {
-                "browser": browser.version,
-                "processors": os.cpu_count(),
-                "load": round(load, 1),
-                "rounds": options.rounds,
-            }
-
-            def step(name: str, measure: Callable[[], Any]) -> None:
-                found[name] = measure()
-                print(name, json.dumps(found[name]), flush=True)
-
+            conditions = {"browser": browser.version, "processors": os.cpu_count(), "load": round(load, 1)}
             viewers = {
                 "Segmentation": f"/jobs/{ids['segmentation']}",
                 "Motion": f"/jobs/{ids['motion']}",
                 "Shape": f"/shapes/{shape['id']}",
             }
-            step(
-                "loads",
-                lambda: {name: first_load(browser, url, *where, options.rounds) for name, where in PAGES.items()},
-            )
-            step("viewers", lambda: {name: viewed(browser, url, path) for name, path in viewers.items()})
-            step("playback", lambda: playback(browser, url, ids["motion"]))
-            step("wall", lambda: scrolled(browser, url, shape, options.jobs))
-            step("memory", lambda: memory(browser, url, list(viewers.values()), options.views))
-            step("jobs", lambda: paged(browser, url, shape["asset_id"], options.jobs))
-    (RESULTS / "dashboard.json").write_text(json.dumps(found, indent=2) + "\n")
-    (RESULTS / "dashboard.md").write_text(report(found))
+            rounds = options.rounds
+            parts: dict[str, Callable[[], dict[str, Any]]] = {
+                "loads": lambda: {name: first_load(browser, url, *page, rounds) for name, page in PAGES.items()},
+                "viewers": lambda: {name: viewed(browser, url, path) for name, path in viewers.items()},
+                "playback": lambda: playback(browser, url, ids["motion"]),
+                "wall": lambda: scrolled(browser, url, shape, options.jobs),
+                "memory": lambda: memory(browser, url, list(viewers.values()), options.views),
+                "jobs": lambda: paged(browser, url, shape["asset_id"], options.jobs),
+            }
+            for name in options.only:
+                found[name] = {"found": parts[name](), **conditions}
+                print(name, json.dumps(found[name]), flush=True)
+    written.write_text(json.dumps(found, indent=2) + "\n")
+    if all(name in found for name in PARTS):
+        written.with_suffix(".md").write_text(report(found))
 
 
 if __name__ == "__main__":

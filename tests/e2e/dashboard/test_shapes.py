@@ -17,7 +17,7 @@ from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.mesh_io import write_mesh
 from tests.e2e.dashboard.conftest import OpenPage
 from tests.e2e.dashboard.test_accessibility import AXE, overflow, serious
-from tests.support.browser import picture
+from tests.support.browser import keep_picture, picture
 from tests.unit.retrieval.conftest import cylinder, egg, torus
 
 pytestmark = [pytest.mark.server, pytest.mark.browser, pytest.mark.slow]
@@ -119,6 +119,10 @@ def test_shapes_are_added_named_moved_and_deleted(
     dialog.get_by_role("combobox", name="Labels").fill("family:rod")
     page.keyboard.press("Enter")
     page.get_by_role("button", name="Add 2 shapes").click()
+    # the page is left while they are on their way
+    kept = "Object.keys(localStorage).find((key) => key.startsWith('shapery.addition.'))"
+    page.wait_for_function(f"JSON.parse(localStorage.getItem({kept}))?.uploads.length === 2")
+    page.reload()
     told = page.get_by_role("region", name="Shapes being added")
     told.get_by_text("1 of 2 added to new things.").wait_for(timeout=WORK)
     told.get_by_text("notes.txt:").wait_for()
@@ -184,6 +188,7 @@ def test_a_shape_is_shown_with_its_parts_and_its_graph(
     page.get_by_role("button", name="Draw the graph of the parts").click()
     page.mouse.move(0, 0)
     graph = wait_for_picture(page, "shape")
+    keep_picture(page, "shape")
     white = (graph.min(axis=2) > 225).sum()
     assert white > 50  # the whole's node
     gold = (graph[..., 0] > 190) & (graph[..., 2] < graph[..., 0] * 0.62) & (graph[..., 1] > graph[..., 2])
@@ -212,6 +217,7 @@ def test_what_is_like_a_shape_is_shown_beside_it(open_page: OpenPage, bank: dict
     # matched parts have the same colors; both lie in their principal frames, so that they look alike
     assert len(hues(query) & hues(found)) >= 3
     assert np.mean(drawn(query) != drawn(found)) < 0.06
+    keep_picture(page, "search")
     # who turns one turns both
     page.get_by_test_id("query").focus()
     for _ in range(8):

@@ -1,11 +1,13 @@
 import { Alert, Paper, Stack, Title } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { TriangleAlert } from "lucide-react";
-import { lazy, type ReactNode, Suspense, useState } from "react";
+import { lazy, type ReactNode, Suspense, useMemo, useState } from "react";
 import { apiFetch } from "@/api/client";
 import type { components } from "@/api/schema";
 import type { Job } from "@/api/types";
+import { Facts } from "@/app/Facts";
 import { Waiting } from "@/app/Notice";
+import { createStore, type Store, useStore } from "@/app/store";
 import { Downloads } from "@/features/jobs/Downloads";
 import { bytes, integer, significant } from "@/format/format";
 import { NoWebGL } from "@/viewers/ViewerFrame";
@@ -26,7 +28,7 @@ const MotionViewer = lazy(async () => ({
 
 /** A compressed motion: played from the file itself, with how far it is from its original. */
 export default function MotionView({ job, result, facts }: { job: Job; result: MotionResult; facts: ReactNode }) {
-  const [frame, setFrame] = useState(0);
+  const [frame] = useState(() => createStore(0));
   const [pointed, setPointed] = useState<number | null>(null);
   const artifact = (name: string) => job.artifacts.find((one) => one.name === name);
   const file = artifact(result.file);
@@ -59,7 +61,7 @@ export default function MotionView({ job, result, facts }: { job: Job; result: M
                 size={file.size}
                 residuals={artifact("residuals.bin.gz") ?? null}
                 unit={typeof job.params.unit === "string" ? job.params.unit : ""}
-                onFrame={setFrame}
+                frame={frame}
               />
             </Suspense>
           </div>
@@ -70,15 +72,7 @@ export default function MotionView({ job, result, facts }: { job: Job; result: M
           {report.data && (
             <Paper p="md" component="section" aria-label="Error and rate">
               <div className={classes.charts}>
-                <Chart
-                  title="Error by frame"
-                  points={report.data.frame_rmse.map((y, x) => ({ x, y }))}
-                  xLabel="frame"
-                  yLabel="RMS error"
-                  format={(value) => significant(value, 2)}
-                  formatX={(value) => integer(value + 1)}
-                  at={frame}
-                />
+                <ErrorByFrame errors={report.data.frame_rmse} frame={frame} />
                 <Chart
                   title="Rate and distortion"
                   points={curve.map(({ kg, bits }) => ({ x: Math.log(kg), y: bits }))}
@@ -110,6 +104,21 @@ export default function MotionView({ job, result, facts }: { job: Job; result: M
   );
 }
 
+function ErrorByFrame({ errors, frame }: { errors: readonly number[]; frame: Store<number> }) {
+  const points = useMemo(() => errors.map((y, x) => ({ x, y })), [errors]);
+  return (
+    <Chart
+      title="Error by frame"
+      points={points}
+      xLabel="frame"
+      yLabel="RMS error"
+      format={(value) => significant(value, 2)}
+      formatX={(value) => integer(value + 1)}
+      at={useStore(frame)}
+    />
+  );
+}
+
 function Figures({ result }: { result: MotionResult }) {
   const raw = result.vertices * result.frames * 12 + result.faces * 12;
   const rows: [string, string][] = [
@@ -129,9 +138,7 @@ function Figures({ result }: { result: MotionResult }) {
       <Title order={3} mb="xs" id="figures">
         The file
       </Title>
-      <dl className={classes.facts}>
-        {rows.map(([name, value]) => [<dt key={`${name} name`}>{name}</dt>, <dd key={name}>{value}</dd>])}
-      </dl>
+      <Facts rows={rows} />
     </Paper>
   );
 }

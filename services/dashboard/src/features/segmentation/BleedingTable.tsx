@@ -1,8 +1,9 @@
-import { Button, Group, Paper, Table, Text, Title, UnstyledButton } from "@mantine/core";
+import { Button, Table, UnstyledButton } from "@mantine/core";
 import { useState } from "react";
 import { anatomical, integer, millimetres, volume } from "@/format/format";
 import { LABELS } from "@/viewers/labels";
 import type { Point, SegmentationResult } from "./params";
+import { Structures } from "./Structures";
 import classes from "./segmentation.module.css";
 
 const FIRST = 8;
@@ -20,18 +21,12 @@ export function BleedingTable({ result, onLook }: BleedingTableProps) {
   if (clusters.length === 0) return null;
   const size = clusters.reduce((sum, { volume_mm3 }) => sum + volume_mm3, 0);
   return (
-    <Paper p="md" component="section" aria-labelledby="bleedings">
-      <Group justify="space-between" mb="xs">
-        <Group gap="xs">
-          <span className={classes.swatch} style={{ background: LABELS[3].color }} aria-hidden="true" />
-          <Title order={2} id="bleedings">
-            {clusters.length === 1 ? "1 microhemorrhage" : `${clusters.length} microhemorrhages`}
-          </Title>
-        </Group>
-        <Text size="sm" c="dimmed">
-          {volume(size)} together
-        </Text>
-      </Group>
+    <Structures
+      id="bleedings"
+      color={LABELS[3].color}
+      title={clusters.length === 1 ? "1 microhemorrhage" : `${clusters.length} microhemorrhages`}
+      says={`${volume(size)} together`}
+    >
       <Table.ScrollContainer minWidth={420} type="native">
         <Table verticalSpacing={6}>
           <Table.Thead>
@@ -70,6 +65,6 @@ export function BleedingTable({ result, onLook }: BleedingTableProps) {
           {all ? "Only the largest" : `All ${clusters.length}`}
         </Button>
       )}
-    </Paper>
+    </Structures>
   );
 }

@@ -1,7 +1,8 @@
-import { Group, Paper, Table, Text, Title, UnstyledButton } from "@mantine/core";
+import { Table, UnstyledButton } from "@mantine/core";
 import { area, integer, millimetres, significant, volume } from "@/format/format";
 import { LABELS } from "@/viewers/labels";
 import type { SegmentationResult } from "./params";
+import { Structures } from "./Structures";
 import { vesselId } from "./surfaces";
 import classes from "./segmentation.module.css";
 
@@ -19,19 +20,12 @@ export function VesselTable({ result, chosen, onChoose }: VesselTableProps) {
   const length = vessels.reduce((sum, { length_mm }) => sum + length_mm, 0);
   const size = vessels.reduce((sum, { volume_mm3 }) => sum + volume_mm3, 0);
   return (
-    <Paper p="md" component="section" aria-labelledby="vessels">
-      <Group justify="space-between" mb="xs">
-        <Group gap="xs">
-          <span className={classes.swatch} style={{ background: LABELS[2].color }} aria-hidden="true" />
-          <Title order={2} id="vessels">
-            {vessels.length === 1 ? "1 vessel" : `${vessels.length} vessels`}
-          </Title>
-        </Group>
-        <Text size="sm" c="dimmed">
-          {millimetres(length)} long together, {volume(size)}
-          {result.vessel_polarity ? `, ${result.vessel_polarity} in the data` : ""}
-        </Text>
-      </Group>
+    <Structures
+      id="vessels"
+      color={LABELS[2].color}
+      title={vessels.length === 1 ? "1 vessel" : `${vessels.length} vessels`}
+      says={`${millimetres(length)} long together, ${volume(size)}${result.vessel_polarity ? `, ${result.vessel_polarity} in the data` : ""}`}
+    >
       <Table.ScrollContainer minWidth={560} type="native">
         <Table verticalSpacing="xs">
           <Table.Thead>
@@ -75,6 +69,6 @@ export function VesselTable({ result, chosen, onChoose }: VesselTableProps) {
           </Table.Tbody>
         </Table>
       </Table.ScrollContainer>
-    </Paper>
+    </Structures>
   );
 }

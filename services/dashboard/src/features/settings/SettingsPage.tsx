@@ -1,6 +1,7 @@
 import { Paper, SegmentedControl, Stack, Text, Title, useMantineColorScheme } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { infoQuery, kindsQuery } from "@/api/queries";
+import { Facts } from "@/app/Facts";
 import { Failure } from "@/app/Notice";
 import { Page } from "@/app/Page";
 import { workName } from "@/features/jobs/naming";
@@ -33,30 +34,26 @@ function Limits() {
       </Title>
       {info.isError && !info.data && <Failure error={info.error} onRetry={() => void info.refetch()} />}
       {info.data && (
-        <dl className={classes.facts}>
-          <dt>Largest upload</dt>
-          <dd>{bytes(info.data.max_upload_bytes)}</dd>
-          <dt>Jobs in one batch</dt>
-          <dd>up to {integer(info.data.max_batch_items)}</dd>
-          <dt>Results are kept</dt>
-          <dd>{span(info.data.result_ttl_seconds)}</dd>
-          <dt>Unfinished uploads are kept</dt>
-          <dd>{span(info.data.upload_ttl_seconds)}</dd>
-        </dl>
+        <Facts
+          rows={[
+            ["Largest upload", bytes(info.data.max_upload_bytes)],
+            ["Jobs in one batch", `up to ${integer(info.data.max_batch_items)}`],
+            ["Results are kept", span(info.data.result_ttl_seconds)],
+            ["Unfinished uploads are kept", span(info.data.upload_ttl_seconds)],
+          ]}
+        />
       )}
       {kinds.data && kinds.data.length > 0 && (
         <>
           <Title order={3} mt="md" mb={4}>
             One job may take
           </Title>
-          <dl className={classes.facts}>
-            {kinds.data.map((kind) => [
-              <dt key={`${kind.name} name`}>{workName(kind.name)}</dt>,
-              <dd key={kind.name}>
-                {duration(kind.time_limit)}, {bytes(kind.memory_limit)}
-              </dd>,
+          <Facts
+            rows={kinds.data.map(({ name, time_limit, memory_limit }) => [
+              workName(name),
+              `${duration(time_limit)}, ${bytes(memory_limit)}`,
             ])}
-          </dl>
+          />
         </>
       )}
     </Paper>

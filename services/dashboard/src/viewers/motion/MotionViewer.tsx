@@ -3,11 +3,12 @@ import { useQuery } from "@tanstack/react-query";
 import { Maximize } from "lucide-react";
 import { useEffect, useRef, useState } from "react";
 import type { Artifact } from "@/api/types";
+import type { Store } from "@/app/store";
 import { MotionPlayer, type Opened } from "@/features/motion/player";
 import { readResiduals, type Residuals, typicalError } from "@/features/motion/residuals";
 import { significant } from "@/format/format";
 import { download } from "../download";
-import { PlayControls } from "../play/PlayControls";
+import { StoredControls } from "../play/PlayControls";
 import { usePlay } from "../play/usePlay";
 import { Tool } from "../Tool";
 import { ViewerFrame, type ViewerStatus } from "../ViewerFrame";
@@ -23,8 +24,8 @@ interface MotionViewerProps {
   residuals: Artifact | null;
   /** The unit of the coordinates, as far as known. */
   unit: string;
-  /** Told of each frame as it is shown. */
-  onFrame: (index: number) => void;
+  /** The frame that is shown, told to whoever wants to know. */
+  frame: Store<number>;
 }
 
 const USUAL_FPS = 25;
@@ -49,13 +50,12 @@ function differenceOf(residuals: Residuals | null, typical: number, index: numbe
 }
 
 /** A compressed motion, decoded in the browser while it plays. */
-export function MotionViewer({ url, size, residuals, unit, onFrame }: MotionViewerProps) {
+export function MotionViewer({ url, size, residuals, unit, frame: shown }: MotionViewerProps) {
   const parent = useRef<HTMLDivElement>(null);
   const viewer = useRef<{ canvas: MotionCanvas; player: MotionPlayer; opened: Opened } | null>(null);
   const [status, setStatus] = useState<ViewerStatus>({ is: "loading", fraction: 0, what: "Loading the motion…" });
   const [attempt, setAttempt] = useState(0);
   const [opened, setOpened] = useState<Opened | null>(null);
-  const [shown, setShown] = useState(0);
   const [playing, setPlaying] = useState(false);
   const [layout, setLayout] = useState<Layout>("decoded");
   const [coloring, setColoring] = useState<Coloring>("plain");
@@ -73,14 +73,6 @@ export function MotionViewer({ url, size, residuals, unit, onFrame }: MotionView
     },
   });
   const differs = useRef<{ residuals: Residuals; typical: number } | null>(null);
-  const at = useRef(0);
-  useEffect(() => {
-    at.current = shown;
-  }, [shown]);
-  const tell = useRef(onFrame);
-  useEffect(() => {
-    tell.current = onFrame;
-  }, [onFrame]);
 
   useEffect(() => {
     const element = parent.current;
@@ -92,8 +84,7 @@ export function MotionViewer({ url, size, residuals, unit, onFrame }: MotionView
     };
     const player = new MotionPlayer((index, positions) => {
       canvas?.show(positions, differenceOf(differs.current?.residuals ?? null, differs.current?.typical ?? 0, index));
-      setShown(index);
-      tell.current(index);
+      shown.set(index);
     });
     const load = async () => {
       const progress = (fraction: number) => setStatus({ is: "loading", fraction, what: "Loading the motion…" });
@@ -117,7 +108,7 @@ export function MotionViewer({ url, size, residuals, unit, onFrame }: MotionView
       player.close();
       canvas?.close();
     };
-  }, [url, size, attempt]);
+  }, [url, size, attempt, shown]);
 
   const ready = status.is === "ready";
   const count = opened?.header.frames ?? 1;
@@ -134,8 +125,8 @@ export function MotionViewer({ url, size, residuals, unit, onFrame }: MotionView
       waits && coloring === "error" ? "plain" : coloring,
       shownBy.opened.labels,
     );
-    shownBy.player.want(at.current);
-  }, [ready, layout, coloring, known, waits]);
+    shownBy.player.want(shown.get());
+  }, [ready, layout, coloring, known, waits, shown]);
   const beside = layout === "beside";
   useEffect(() => {
     if (ready) viewer.current?.canvas.look();
@@ -145,7 +136,7 @@ export function MotionViewer({ url, size, residuals, unit, onFrame }: MotionView
     playing: playing && ready,
     count,
     fps,
-    shown,
+    shown: shown.get,
     loop: true,
     onFrame: (index) => {
       const player = viewer.current?.player;
@@ -211,9 +202,9 @@ export function MotionViewer({ url, size, residuals, unit, onFrame }: MotionView
         </figure>
       )}
       {ready && (
-        <PlayControls
+        <StoredControls
           count={count}
-          shown={shown}
+          frame={shown}
           playing={playing}
           onPlaying={setPlaying}
           onFrame={(index) => viewer.current?.player.want(index)}

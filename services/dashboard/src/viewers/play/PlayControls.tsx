@@ -1,6 +1,7 @@
 import { ActionIcon, Slider, Text } from "@mantine/core";
 import { Pause, Play } from "lucide-react";
-import { useState } from "react";
+import { type ComponentProps, useState } from "react";
+import { type Store, useStore } from "@/app/store";
 import classes from "./play.module.css";
 
 interface PlayControlsProps {
@@ -10,6 +11,14 @@ interface PlayControlsProps {
   onPlaying: (playing: boolean) => void;
   /** Someone wants to see a frame; playing stops. */
   onFrame: (index: number) => void;
+}
+
+/** The same for a frame that many are told of: nothing else is rendered anew for each. */
+export function StoredControls({
+  frame,
+  ...others
+}: { frame: Store<number> } & Omit<ComponentProps<typeof PlayControls>, "shown">) {
+  return <PlayControls shown={useStore(frame)} {...others} />;
 }
 
 /** Play, pause, and a slider over the frames, at the foot of a viewer. */

@@ -6,7 +6,7 @@ interface Playing {
   count: number;
   fps: number;
   /** The frame that is shown now. */
-  shown: number;
+  shown: () => number;
   /** Goes on with the first frame after the last; otherwise the last one ends it. */
   loop: boolean;
   /** Show a frame; false where the one before is not drawn yet: this one is left out rather than shown late. */
@@ -16,7 +16,7 @@ interface Playing {
 
 /** Shows frame after frame in the time they take, from the one that is shown; from the last one it begins anew. */
 export function usePlay({ playing, count, fps, shown, loop, onFrame, onEnd }: Playing): void {
-  const first = useEffectEvent(() => (shown >= count - 1 ? 0 : shown));
+  const first = useEffectEvent(() => (shown() >= count - 1 ? 0 : shown()));
   const show = useEffectEvent(onFrame);
   const end = useEffectEvent(() => onEnd?.());
   useEffect(() => {

@@ -10,6 +10,7 @@ import {
   Vector3,
   WebGLRenderer,
 } from "three";
+import { drawsBySoftware } from "../webgl";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 
 interface StageOptions {
@@ -56,8 +57,9 @@ export class Stage {
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute("role", "img");
     parent.append(this.canvas);
-    this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: true });
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    const coarse = drawsBySoftware();
+    this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: !coarse });
+    this.renderer.setPixelRatio(coarse ? 1 : Math.min(window.devicePixelRatio, 2));
     this.renderer.setClearColor("#000000");
     this.camera.up.set(...(options.up ?? [0, 1, 0]));
     const light = new DirectionalLight("#ffffff", 2);

@@ -172,7 +172,7 @@ export function SurfaceViewer({ surfaces, chosen, evolution = null, measure = nu
     playing: playing && on,
     count: frames.length,
     fps: FPS,
-    shown,
+    shown: () => shown,
     loop: false,
     onFrame: (index) => {
       setShown(index);

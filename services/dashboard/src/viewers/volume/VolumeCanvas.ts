@@ -2,6 +2,8 @@ import { Niivue, NVImage, NVMesh, SLICE_TYPE } from "@niivue/niivue";
 import { LABELS, REFERENCE_COLOR, rgb } from "../labels";
 import type { SurfaceMesh } from "../surface/readSurface";
 import type { SliceView } from "./box";
+import { drawsBySoftware } from "../webgl";
+import { reduced } from "./reduce";
 
 export type VolumeLayout = "slices" | "axial" | "coronal" | "sagittal" | "render";
 
@@ -42,6 +44,8 @@ export interface Intensities {
   range: [number, number];
   /** Black and white of a good first picture. */
   window: [number, number];
+  /** Whether the volume is so large that it is drawn coarser than it is. */
+  coarse: boolean;
 }
 
 /** What niivue tells of a place; its own type leaves the argument open. */
@@ -60,6 +64,9 @@ class Viewer extends Niivue {
     return told;
   }
 }
+
+/** Voxels that are drawn: the picture of each takes four bytes, and as many again with an overlay. */
+const [MOST_VOXELS, MOST_BY_SOFTWARE] = [2 ** 26, 12_000_000];
 
 /** The axes of a slice: across, upwards, through. */
 const AXES: Partial<Record<SLICE_TYPE, [0 | 1, 1 | 2, 0 | 1 | 2]>> = {
@@ -130,9 +137,10 @@ export class VolumeCanvas {
     const viewer = this.#viewer;
     await viewer.attachToCanvas(this.canvas);
     const [base, overlay] = await Promise.all([read(image, "gray"), labels ? read(labels) : null]);
+    const coarse = reduce(base, drawsBySoftware() ? MOST_BY_SOFTWARE : MOST_VOXELS);
     const window: [number, number] = [base.robust_min ?? base.cal_min ?? 0, base.robust_max ?? base.cal_max ?? 1];
     const range: [number, number] = [base.global_min ?? window[0], base.global_max ?? window[1]];
-    if (this.#closed) return { range, window };
+    if (this.#closed) return { range, window, coarse };
     this.#arrange(display);
     viewer.addVolume(base);
     if (overlay) {
@@ -141,7 +149,7 @@ export class VolumeCanvas {
       viewer.addVolume(overlay);
     }
     this.#shown = { ...display, window };
-    return { range, window };
+    return { range, window, coarse };
   }
 
   /** Lay a mask over everything else, in a color of its own; null takes it away. */
@@ -305,6 +313,23 @@ export class VolumeCanvas {
 
 function read({ name, content }: Source, colormap = ""): Promise<NVImage> {
   return NVImage.loadFromUrl({ url: name, name, buffer: content, colormap });
+}
+
+/** Make a very large volume coarser: its picture would not fit into a graphics card, or keep a processor for minutes. */
+function reduce(image: NVImage, most: number): boolean {
+  const { hdr, img } = image;
+  const [, nx = 0, ny = 0, nz = 0] = hdr?.dims ?? [];
+  if (!hdr || !img || nx * ny * nz <= most || img.length < nx * ny * nz) return false;
+  const { samples, extent, affine } = reduced({ samples: img, extent: [nx, ny, nz], affine: hdr.affine }, most);
+  image.img = samples;
+  image.nFrame4D = 1;
+  hdr.dims = [3, ...extent, 1, 1, 1, 1];
+  hdr.pixDims = hdr.pixDims.map((length, axis) =>
+    axis >= 1 && axis <= 3 ? Math.hypot(...affine.slice(0, 3).map((row) => row[axis - 1] ?? 0)) : length,
+  );
+  image.setAffine(affine);
+  image.calMinMax();
+  return true;
 }
 
 function placeOf({ mm, values }: Location): Place {

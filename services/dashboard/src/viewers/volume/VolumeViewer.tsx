@@ -82,6 +82,7 @@ export function VolumeViewer({
   const [attempt, setAttempt] = useState(0);
   const [place, setPlace] = useState<Place | null>(null);
   const [range, setRange] = useState<[number, number]>([0, 1]);
+  const [coarse, setCoarse] = useState(false);
   const [display, setDisplay] = useState<Display>({
     layout: "slices",
     opacity: 0.55,
@@ -116,13 +117,18 @@ export function VolumeViewer({
         controller.signal,
       );
       setStatus({ is: "loading", fraction: 1, what: "Drawing…" });
-      const { range: whole, window } = await canvas.open(
+      const {
+        range: whole,
+        window,
+        coarse: isCoarse,
+      } = await canvas.open(
         { name: image.name, content },
         labels && overlay ? { name: labels.name, content: await overlay } : null,
         display,
       );
       if (controller.signal.aborted) return;
       setRange(whole);
+      setCoarse(isCoarse);
       setDisplay((before) => ({ ...before, window }));
       viewer.current = canvas;
       setOpen(canvas);
@@ -254,6 +260,7 @@ export function VolumeViewer({
           {anatomical(place.mm)}
           {place.intensity === null ? "" : `   ${significant(place.intensity, 4)}`}
           {place.label > 0 ? `   ${names[place.label] ?? `label ${place.label}`}` : ""}
+          {coarse ? "   drawn coarser than it is" : ""}
         </div>
       )}
     </ViewerFrame>

@@ -1,0 +1,56 @@
+import { expect, it } from "vitest";
+import { halved, reduced } from "@/viewers/volume/reduce";
+
+/** Intensities that are linear in the place: their means are those of the middles. */
+function ramp(extent: [number, number, number], affine: number[][]) {
+  const [nx, ny, nz] = extent;
+  const at = (i: number, j: number, k: number) => [0, 1, 2].map((r) => mm(affine, r, [i, j, k]));
+  const samples = new Float64Array(nx * ny * nz);
+  for (let k = 0, to = 0; k < nz; k += 1)
+    for (let j = 0; j < ny; j += 1)
+      for (let i = 0; i < nx; i += 1, to += 1) {
+        const [x = 0, y = 0, z = 0] = at(i, j, k);
+        samples[to] = x + 10 * y + 100 * z;
+      }
+  return { samples, extent, affine };
+}
+
+const mm = (affine: number[][], row: number, index: number[]) =>
+  [...index, 1].reduce((sum, value, axis) => sum + (affine[row]?.[axis] ?? 0) * value, 0);
+
+it("halves the long axes, and leaves everything where it is in space", () => {
+  const affine = [
+    [-0.4, 0.02, 0, 60],
+    [0.02, 0.4, 0.1, -70],
+    [0, -0.1, 2.5, 3],
+    [0, 0, 0, 1],
+  ];
+  const small = halved(ramp([301, 260, 3], affine));
+  expect(small.extent).toEqual([150, 130, 3]);
+  const told = ramp(small.extent, small.affine);
+  let largest = 0;
+  small.samples.forEach((value, at) => (largest = Math.max(largest, Math.abs(value - (told.samples[at] ?? NaN)))));
+  expect(largest).toBeLessThan(1e-9);
+});
+
+it("keeps whole numbers whole", () => {
+  const samples = new Uint8Array(258).fill(7);
+  samples[0] = 10;
+  const identity = [0, 1, 2, 3].map((row) => [0, 1, 2, 3].map((column) => Number(row === column)));
+  const { samples: means } = halved({ samples, extent: [258, 1, 1], affine: identity });
+  expect(means).toBeInstanceOf(Uint8Array);
+  expect([...means.subarray(0, 2)]).toEqual([9, 7]);
+});
+
+it("goes on until few enough are left, and leaves small volumes alone", () => {
+  const identity = [0, 1, 2, 3].map((row) => [0, 1, 2, 3].map((column) => Number(row === column)));
+  const grid = {
+    samples: new Int16Array(600 * 200 * 2),
+    extent: [600, 200, 2] as [number, number, number],
+    affine: identity,
+  };
+  expect(reduced(grid, 240_000)).toBe(grid);
+  expect(reduced(grid, 70_000).extent).toEqual([300, 100, 2]);
+  expect(reduced(grid, 40_000).extent).toEqual([150, 100, 2]);
+  expect(reduced(grid, 10).extent).toEqual([75, 100, 2]);
+});
