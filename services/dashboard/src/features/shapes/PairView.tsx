@@ -66,6 +66,7 @@ export function PairView({ name, files, hit, parts, address }: PairViewProps) {
       facesOf(found.data, hit.level, new Set(matched.found.keys())),
     ];
   }, [region, hit, matched, query.data, found.data]);
+  const counts = `${matched?.query.size ?? 0} of the example’s, ${matched?.found.size ?? 0} of the found shape’s`;
   return (
     <Stack gap="md" style={{ minWidth: 0 }}>
       {hasWebGL() ? (
@@ -123,9 +124,10 @@ export function PairView({ name, files, hit, parts, address }: PairViewProps) {
       ) : (
         hit && (
           <Text size="sm" c="dimmed" data-testid="pair">
-            {hit.shape.name || "This one"}: score {hit.score.toFixed(2)}, best on {best(hit)}. The same color means that
-            the parts were matched ({matched?.query.size ?? 0} of the example’s, {matched?.found.size ?? 0} of the found
-            shape’s); gray was matched with nothing. Both turn together.
+            {hit.shape.name || "This one"}: score {hit.score.toFixed(2)}, best on {best(hit)}.{" "}
+            {hasWebGL()
+              ? `The same color means that the parts were matched (${counts}); gray was matched with nothing. Both turn together.`
+              : `Parts that were matched: ${counts}.`}
           </Text>
         )
       )}
