@@ -18,6 +18,7 @@ from shapery_geometry.volume import Volume
 from shapery_geometry.volume_io import read_volume
 from shapery_segmentation.evolution import read_evolution
 from tests.e2e.dashboard.conftest import OpenPage
+from tests.e2e.dashboard.test_accessibility import AXE, serious
 from tests.support.browser import Watch, keep_picture, picture
 
 pytestmark = [pytest.mark.server, pytest.mark.browser, pytest.mark.slow]
@@ -384,6 +385,8 @@ def test_a_box_is_drawn_and_run(
     np.testing.assert_allclose([drawn[k] for k in ("x", "y", "width", "height")],
                                [x + left, y + top, right - left, bottom - top], atol=2)  # fmt: skip
     page.get_by_role("textbox", name="Top").fill("60")
+    if AXE.is_file():
+        assert serious(page, AXE.read_text()) == []
     job = started(page, api, "Segment what is in the box")
     assert job["params"]["mode"] == "object"
     assert job["inputs"] == {"post": segmented["inputs"]["post"]}

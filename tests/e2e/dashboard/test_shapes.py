@@ -120,8 +120,11 @@ def test_shapes_are_added_named_moved_and_deleted(
     page.keyboard.press("Enter")
     page.get_by_role("button", name="Add 2 shapes").click()
     # the page is left while they are on their way
-    kept = "Object.keys(localStorage).find((key) => key.startsWith('shapery.addition.'))"
-    page.wait_for_function(f"JSON.parse(localStorage.getItem({kept}))?.uploads.length === 2")
+    sent = """() => {
+        const key = Object.keys(localStorage).find((key) => key.startsWith("shapery.addition."));
+        return key ? JSON.parse(localStorage.getItem(key)).uploads.length : 0;
+    }"""
+    until(page, lambda: page.evaluate(sent) == 2, "the addition is not kept")
     page.reload()
     told = page.get_by_role("region", name="Shapes being added")
     told.get_by_text("1 of 2 added to new things.").wait_for(timeout=WORK)

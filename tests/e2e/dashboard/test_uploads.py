@@ -64,6 +64,9 @@ def test_says_what_files_were_found_to_be(open_page: OpenPage, tmp_path: Path) -
     found = page.get_by_role("list", name="Uploads").get_by_role("listitem")
     found.filter(has_text="Volume · NIfTI · 7 × 5 × 6 · 0.8 × 1.1 × 2.5 mm").wait_for()
     found.filter(has_text="PNG picture").get_by_role("alert").wait_for()
+    page.get_by_role("button", name="Look at no_extension_at_all").first.click()
+    page.get_by_role("dialog").locator("section[aria-label=Volume][data-status=ready]").wait_for()
+    page.get_by_role("dialog").get_by_test_id("place").wait_for()
 
 
 def test_goes_on_after_a_lost_connection(open_page: OpenPage, network: Network, large: Path, api: httpx.Client) -> None:

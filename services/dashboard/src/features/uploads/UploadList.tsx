@@ -9,6 +9,7 @@ import { bytes, duration, integer, percent } from "@/format/format";
 import type { UploadItem } from "./manager";
 import { uploads } from "./uploads";
 import classes from "./uploads.module.css";
+import { WhatFits } from "./WhatFits";
 
 export function UploadList({ items }: { items: readonly UploadItem[] }) {
   return (
@@ -115,6 +116,7 @@ function Status({ item }: { item: UploadItem }) {
 
 function Actions({ item }: { item: UploadItem }) {
   const input = useRef<HTMLInputElement>(null);
+  const { data: asset } = useQuery({ ...assetQuery(item.assetId ?? ""), enabled: item.assetId !== null });
   return (
     <Group gap={2} wrap="nowrap">
       {(item.state === "sending" || item.state === "waiting" || item.state === "queued") && (
@@ -158,6 +160,7 @@ function Actions({ item }: { item: UploadItem }) {
           />
         </>
       )}
+      {asset && <WhatFits asset={asset} />}
       <Act
         label={item.state === "done" ? `Clear ${item.name} from the list` : `Cancel ${item.name}`}
         onClick={() => void uploads.remove(item.id)}

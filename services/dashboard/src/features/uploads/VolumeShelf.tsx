@@ -12,6 +12,7 @@ import { useNow } from "@/app/useNow";
 import { describeAsset } from "@/format/asset";
 import { ago, bytes, moment } from "@/format/format";
 import classes from "./uploads.module.css";
+import { WhatFits } from "./WhatFits";
 
 const AT_FIRST = 6;
 
@@ -70,15 +71,18 @@ function Row({ volume, now }: { volume: Asset; now: number }) {
           {describeAsset(volume)}
         </Text>
       </div>
-      <Sure size="compact-sm" variant="light" sure="Delete" loading={remove.isPending} onSure={() => remove.mutate()}>
-        {(ask) => (
-          <Tooltip label="Delete" openDelay={400}>
-            <ActionIcon variant="subtle" color="gray" aria-label={`Delete ${volume.filename}`} onClick={ask}>
-              <Trash2 size={16} />
-            </ActionIcon>
-          </Tooltip>
-        )}
-      </Sure>
+      <Group gap={2} wrap="nowrap">
+        <WhatFits asset={volume} />
+        <Sure size="compact-sm" variant="light" sure="Delete" loading={remove.isPending} onSure={() => remove.mutate()}>
+          {(ask) => (
+            <Tooltip label="Delete" openDelay={400}>
+              <ActionIcon variant="subtle" color="gray" aria-label={`Delete ${volume.filename}`} onClick={ask}>
+                <Trash2 size={16} />
+              </ActionIcon>
+            </Tooltip>
+          )}
+        </Sure>
+      </Group>
     </li>
   );
 }
