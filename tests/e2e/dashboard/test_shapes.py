@@ -119,12 +119,12 @@ def test_shapes_are_added_named_moved_and_deleted(
     dialog.get_by_role("combobox", name="Labels").fill("family:rod")
     page.keyboard.press("Enter")
     page.get_by_role("button", name="Add 2 shapes").click()
-    # the page is left while they are on their way
-    sent = """() => {
+    # the page is left while they are indexed
+    begun = """() => {
         const key = Object.keys(localStorage).find((key) => key.startsWith("shapery.addition."));
-        return key ? JSON.parse(localStorage.getItem(key)).uploads.length : 0;
+        return key ? JSON.parse(localStorage.getItem(key)).batches.length : 0;
     }"""
-    until(page, lambda: page.evaluate(sent) == 2, "the addition is not kept")
+    until(page, lambda: page.evaluate(begun) == 1, "the addition is not kept")
     page.reload()
     told = page.get_by_role("region", name="Shapes being added")
     told.get_by_text("1 of 2 added to new things.").wait_for(timeout=WORK)

@@ -62,6 +62,7 @@ export const theme = createTheme({
   focusRing: "auto",
   respectReducedMotion: true,
   components: {
+    Modal: { defaultProps: { closeButtonProps: { "aria-label": "Close" } } },
     Paper: Paper.extend({
       defaultProps: { withBorder: true, bg: "var(--card)" },
       styles: { root: { borderColor: "var(--line)" } },

@@ -149,6 +149,7 @@ export class VolumeCanvas {
       viewer.addVolume(overlay);
     }
     this.#shown = { ...display, window };
+    viewer.createOnLocationChange(); // where the crosshair is at first is told, too
     return { range, window, coarse };
   }
 
