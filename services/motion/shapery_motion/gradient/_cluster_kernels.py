@@ -32,6 +32,39 @@ def assign(points, centres, labels, distances):
 
 
 @njit(cache=True, nogil=True)
+def draw_centres(points, first, draws, chosen):
+    """Draw centres in proportion to the squared distance from those before (k-means++); return how many were found.
+
+    `draws` are uniform in [0, 1), one for each centre after the first; `chosen` receives the points' numbers.
+    """
+    n, dimensions = points.shape
+    nearest = np.full(n, np.inf)
+    chosen[0] = first
+    last = first
+    for k in range(len(draws)):
+        total = 0.0
+        for i in range(n):
+            there = 0.0
+            for axis in range(dimensions):
+                d = points[i, axis] - points[last, axis]
+                there += d * d
+            nearest[i] = min(nearest[i], there)
+            total += nearest[i]
+        if not total > 0.0:
+            return k + 1
+        goal, passed = draws[k] * total, 0.0
+        last = -1
+        for i in range(n):
+            passed += nearest[i]
+            if nearest[i] > 0.0:
+                last = i
+            if passed > goal:
+                break
+        chosen[k + 1] = last
+    return len(draws) + 1
+
+
+@njit(cache=True, nogil=True)
 def means(points, labels, centres, counts):
     """Put the mean of each label's points into `centres` (k, d) and their number into `counts`."""
     centres[:] = 0.0

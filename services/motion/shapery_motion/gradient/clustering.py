@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,11 @@ from shapery_motion.gradient import _deformation_kernels as deformation_kernels
 from shapery_motion.gradient.deformation import FaceFrames, FloatArray
 
 Representative = Literal["least_squares", "member"]
+
+SAMPLE: Final = 8
+"""Faces for each cluster that move the centres, where there are more."""
+LEAST: Final = 4096
+"""Faces that do so at least."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,19 +82,23 @@ def cluster_faces(
     if count >= len(active):
         labels[solid] = np.arange(len(active), dtype=np.int32)
         return FaceClusters(labels, active.copy())
-    centres = _first_centres(active, count, rng) if initial is None else _extended(active, initial, count)
-    found = np.empty(len(active), dtype=np.int32)
-    distances = np.empty(len(active))
+    sample = max(SAMPLE * count, LEAST)
+    # centres move by a part of the faces, evenly spread; at last all have a label
+    part = active if len(active) <= sample else active[np.arange(sample) * len(active) // sample]
+    centres = _first_centres(part, count, rng) if initial is None else _extended(part, initial, count)
+    found = np.empty(len(part), dtype=np.int32)
+    distances = np.empty(len(part))
     before = np.inf
     for _ in range(iterations):
-        kernels.assign(active, np.ascontiguousarray(centres.T), found, distances)
+        kernels.assign(part, np.ascontiguousarray(centres.T), found, distances)
         total = float(distances.sum())
         counts = np.empty(len(centres), dtype=np.int64)
-        kernels.means(active, found, centres, counts)
-        _fill_empty(active, distances, centres, counts)
+        kernels.means(part, found, centres, counts)
+        _fill_empty(part, distances, centres, counts)
         if before - total <= tolerance * total:
             break
         before = total
+    found, distances = np.empty(len(active), dtype=np.int32), np.empty(len(active))
     kernels.assign(active, np.ascontiguousarray(centres.T), found, distances)
     labels[solid] = found
     return _numbered(labels, solid, centres) if initial is None else FaceClusters(labels, centres)
@@ -143,16 +152,9 @@ def cluster_matrices(
 
 def _first_centres(points: FloatArray, count: int, rng: np.random.Generator) -> FloatArray:
     """k-means++: each further centre is a point drawn in proportion to its squared distance from those before."""
-    chosen = [int(rng.integers(len(points)))]
-    nearest = ((points - points[chosen[0]]) ** 2).sum(axis=1)
-    while len(chosen) < count:
-        sums = np.cumsum(nearest)
-        if not sums[-1] > 0:
-            break
-        index = min(int(np.searchsorted(sums, rng.random() * sums[-1], side="right")), len(points) - 1)
-        chosen.append(index)
-        np.minimum(nearest, ((points - points[index]) ** 2).sum(axis=1), out=nearest)
-    return points[chosen].copy()
+    chosen = np.empty(count, dtype=np.int64)
+    found = kernels.draw_centres(points, int(rng.integers(len(points))), rng.random(count - 1), chosen)
+    return points[chosen[:found]].copy()
 
 
 def _extended(points: FloatArray, initial: FloatArray, count: int) -> FloatArray:
