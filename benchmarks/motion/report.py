@@ -32,7 +32,7 @@ NAMES = {
     "shape-pca": "shape PCA + prediction in time",
     "delta-parallelogram": "quantise + delta + parallelogram",
     "delta-lzma": "quantise + delta + lzma",
-    "draco": "Draco, frame by frame",
+    "draco": "Draco, frame by frame, with its connectivity",
 }
 
 PREFACE = """\
