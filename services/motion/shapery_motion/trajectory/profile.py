@@ -37,6 +37,8 @@ ONE_COARSER: Final = (2.5,)
 when there is none."""
 OTHERS: Final = (0.6,)
 """Costs of modes beside the measured ones, in their units, by which clusters are sought."""
+LONG: Final = 64
+"""Frames from which on it is worth the time to seek clusters from a second start."""
 PASSES: Final = 8
 NEAR: Final = 0.997
 NEAR_ENOUGH: Final = 0.97
@@ -66,7 +68,7 @@ def encode_group(task: GroupTask) -> EncodedGroup:
     worths = [Worth(len(moving), SHARE, SHARE)]
     if thorough:
         step, worths = quick_look(trajectories, graph, step, target, offset=offset, sources=sources)
-    many = MANY if thorough else FEW
+    many = (MANY if len(moving) >= LONG else MANY[:1]) if thorough else FEW
     ways = find_clusters(trajectories, graph, step, worths, count=task.clusters, many=many)
     task.on_progress(0.2)
     least = math.inf
