@@ -12,7 +12,7 @@ from shapery_client.cli._output import StageBar, stage_bar
 
 if TYPE_CHECKING:
     from shapery_client._sdk import Client
-    from shapery_contracts.api import JobView
+    from shapery_contracts.api import JobEvent, JobView
 
 LOOK_EVERY = 10.0
 """Seconds between two looks whether the kind has a worker; a platform that has just started gets its workers sooner."""
@@ -23,7 +23,12 @@ _LAST_ANSWER = 2.0
 def follow(client: Client, job: JobView, title: str) -> JobView:
     """Show a job's progress until it has ended, and return it; raises `JobEndedBadly` where it did not succeed."""
     with stage_bar(title) as bar, missing_workers_told(client, job.kind, bar):
-        return client.wait(job.id, on_event=lambda event: bar.update(event.stage, event.fraction, event.message))
+
+        def tell(event: JobEvent) -> None:
+            stage = "" if event.state.terminal else event.stage  # an ended job keeps the last stage it told of
+            bar.update(stage, event.fraction, event.message)
+
+        return client.wait(job.id, on_event=tell)
 
 
 @contextmanager

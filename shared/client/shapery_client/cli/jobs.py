@@ -158,4 +158,6 @@ def show_job(job: JobView, json: bool) -> None:
 
 
 def _reason(job: JobView) -> str:
-    return job.error.message if job.error else job.stage
+    if job.error:
+        return job.error.message
+    return "" if job.state.terminal else job.stage  # an ended job keeps the last stage it told of
