@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import hashlib
-import os
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.retrieval.features import CACHE, DIGEST
+from benchmarks.retrieval.features import cached, keep
 from shapery_geometry.mesh import TriangleMesh
 from shapery_retrieval.arg import Arg
 from shapery_retrieval.describe import describe
@@ -26,17 +24,13 @@ def posed(path: Path) -> list[tuple[Arg, list[NDArray[np.int64]], NDArray[np.flo
     found = []
     for points in vertices:
         mesh = TriangleMesh(points, faces)
-        content = hashlib.sha256(mesh.vertices.tobytes() + mesh.faces.tobytes()).hexdigest()[:20]
-        kept = CACHE / DIGEST / f"posed-{content}.npz"
+        kept = cached(mesh, "posed-")
         if not kept.exists():
-            kept.parent.mkdir(parents=True, exist_ok=True)
             description = describe(mesh)
             labels = {
                 f"labels{k}": description.labels_on(mesh, k) for k in range(1, len(description.decomposition.levels))
             }
-            part = kept.with_suffix(f".{os.getpid()}.npz")
-            np.savez(part, arg=np.frombuffer(description.arg.to_bytes(), dtype=np.uint8), **labels)
-            part.replace(kept)
+            keep(kept, arg=np.frombuffer(description.arg.to_bytes(), dtype=np.uint8), **labels)
         with np.load(kept) as stored:
             arg = Arg.from_bytes(stored["arg"].tobytes())
             labels_by_level = [stored[f"labels{k}"] for k in range(1, len(arg.levels))]

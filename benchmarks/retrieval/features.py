@@ -8,6 +8,7 @@ import tempfile
 import time
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,12 +63,24 @@ def d2_histogram(mesh: TriangleMesh, rng: np.random.Generator, pairs: int = 40_0
     return counts / pairs
 
 
+def cached(mesh: TriangleMesh, prefix: str = "") -> Path:
+    """Return where what was worked out of a mesh is kept, by its content."""
+    content = hashlib.sha256(mesh.vertices.tobytes() + mesh.faces.tobytes()).hexdigest()[:20]
+    return CACHE / DIGEST / f"{prefix}{content}.npz"
+
+
+def keep(path: Path, **arrays: NDArray[Any]) -> None:
+    """Write arrays into a file of the cache, which is there whole or not at all."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_suffix(f".{os.getpid()}.npz")
+    np.savez(part, **arrays)
+    part.replace(path)
+
+
 def features_of(name: str, mesh: TriangleMesh) -> Features:
     """Return the features of a mesh, from the cache where its content was seen before."""
-    content = hashlib.sha256(mesh.vertices.tobytes() + mesh.faces.tobytes()).hexdigest()[:20]
-    path = CACHE / DIGEST / f"{content}.npz"
+    path = cached(mesh)
     if not path.exists():
-        path.parent.mkdir(parents=True, exist_ok=True)
         start = time.process_time()
         found = describe(mesh)
         seconds = time.process_time() - start
@@ -80,19 +93,15 @@ def features_of(name: str, mesh: TriangleMesh) -> Features:
 
 def part_of(mesh: TriangleMesh) -> tuple[Arg, list[Patches]]:
     """Return the graph of a part and what it may be, from the cache where its content was seen before."""
-    content = hashlib.sha256(mesh.vertices.tobytes() + mesh.faces.tobytes()).hexdigest()[:20]
-    path = CACHE / DIGEST / f"part-{content}.npz"
+    path = cached(mesh, "part-")
     if not path.exists():
-        path.parent.mkdir(parents=True, exist_ok=True)
         found = describe(mesh)
         arrays = {
             f"{name}{number}": values
             for number, patches in enumerate(found.hypotheses())
             for name, values in (("masses", patches.masses), ("features", patches.features))
         }
-        part = path.with_suffix(f".{os.getpid()}.npz")
-        np.savez(part, arg=np.frombuffer(found.arg.to_bytes(), dtype=np.uint8), **arrays)
-        part.replace(path)
+        keep(path, arg=np.frombuffer(found.arg.to_bytes(), dtype=np.uint8), **arrays)
     with np.load(path, allow_pickle=False) as stored:
         hypotheses = [Patches(stored[f"masses{k}"], stored[f"features{k}"]) for k in range(len(SHARES))]
         return Arg.from_bytes(stored["arg"].tobytes()), hypotheses
@@ -100,15 +109,13 @@ def part_of(mesh: TriangleMesh) -> tuple[Arg, list[Patches]]:
 
 def save(path: Path, arg: Arg, eigenvalues: NDArray[np.float64], mesh: TriangleMesh, seconds: float) -> None:
     """Store features in a file, whole or not at all."""
-    part = path.with_suffix(f".{os.getpid()}.npz")
-    np.savez(
-        part,
+    keep(
+        path,
         arg=np.frombuffer(arg.to_bytes(), dtype=np.uint8),
         eigenvalues=eigenvalues[:31],
         d2=d2_histogram(mesh, np.random.default_rng(0)),
         cpu_seconds=seconds,
     )
-    part.replace(path)
 
 
 DIGEST = _digest()

@@ -12,8 +12,6 @@ doi:10.1016/j.cad.2005.10.011.
 
 from __future__ import annotations
 
-import hashlib
-import os
 from collections.abc import Sequence
 from typing import Any
 
@@ -21,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import sph_harm_y
 
-from benchmarks.retrieval.features import CACHE, DIGEST
+from benchmarks.retrieval.features import cached, keep
 from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.operators.rays import first_hits
 from shapery_geometry.operators.sampling import sample_surface
@@ -36,10 +34,8 @@ WORDS, SIGNATURES = 64, 400
 
 def peers_of(mesh: TriangleMesh) -> dict[str, Array]:
     """Return what the peers know of a mesh, from the cache where its content was seen before."""
-    content = hashlib.sha256(mesh.vertices.tobytes() + mesh.faces.tobytes()).hexdigest()[:20]
-    path = CACHE / DIGEST / f"peers-{content}.npz"
+    path = cached(mesh, "peers-")
     if not path.exists():
-        path.parent.mkdir(parents=True, exist_ok=True)
         normalised = normalise(mesh)
         signals = compute_signals(normalised)
         rng = np.random.default_rng(0)
@@ -52,9 +48,7 @@ def peers_of(mesh: TriangleMesh) -> dict[str, Array]:
         eigenvalues = lapy_eigenvalues(normalised.mesh)
         if eigenvalues is not None:
             found["lapy"] = eigenvalues
-        part = path.with_suffix(f".{os.getpid()}.npz")
-        np.savez(part, **found)
-        part.replace(path)
+        keep(path, **found)
     with np.load(path, allow_pickle=False) as stored:
         return dict(stored)
 
