@@ -8,10 +8,10 @@ import {
   Sphere,
   Spherical,
   Vector3,
-  WebGLRenderer,
+  type WebGLRenderer,
 } from "three";
-import { drawsBySoftware } from "../webgl";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { borrowRenderer, giveBackRenderer } from "./renderers";
 
 interface StageOptions {
   /** What is above in the picture; the y axis where nothing is said. */
@@ -37,8 +37,8 @@ const ZOOMS: Readonly<Record<string, number>> = { "+": 0.9, "=": 0.9, "-": 1.11 
  * around, plus and minus come nearer and go away, Home looks at everything. Draws only when something has changed.
  */
 export class Stage {
-  readonly canvas = document.createElement("canvas");
-  readonly renderer: WebGLRenderer;
+  readonly renderer: WebGLRenderer = borrowRenderer();
+  readonly canvas = this.renderer.domElement;
   readonly scene = new Scene();
   readonly camera = new PerspectiveCamera(32, 1, 0.01, 4000);
   readonly controls: OrbitControls;
@@ -57,10 +57,6 @@ export class Stage {
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute("role", "img");
     parent.append(this.canvas);
-    const coarse = drawsBySoftware();
-    this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: !coarse });
-    this.renderer.setPixelRatio(coarse ? 1 : Math.min(window.devicePixelRatio, 2));
-    this.renderer.setClearColor("#000000");
     this.camera.up.set(...(options.up ?? [0, 1, 0]));
     const light = new DirectionalLight("#ffffff", 2);
     light.position.set(...(options.light ?? [0.4, 0.7, 1]));
@@ -69,10 +65,7 @@ export class Stage {
     this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.addEventListener("change", this.draw);
     this.canvas.addEventListener("keydown", this.#key);
-    this.canvas.addEventListener("webglcontextlost", (event) => {
-      event.preventDefault();
-      if (!this.#closed) options.onLost();
-    });
+    this.canvas.addEventListener("webglcontextlost", this.#lost);
     this.#resize = new ResizeObserver(() => this.#fit(parent));
     this.#resize.observe(parent);
     this.#fit(parent);
@@ -105,17 +98,16 @@ export class Stage {
     });
   };
 
-  /** Whoever has put something into the scene disposes of it. */
+  /** Whoever has put something into the scene has disposed of it. */
   close(): void {
+    if (this.#closed) return;
     this.#closed = true;
     cancelAnimationFrame(this.#drawing);
     this.#resize.disconnect();
     this.controls.dispose();
     this.canvas.removeEventListener("keydown", this.#key);
-    this.renderer.dispose();
-    // A browser keeps a handful of contexts; one that is only forgotten counts until it is collected.
-    this.renderer.forceContextLoss();
-    this.canvas.remove();
+    this.canvas.removeEventListener("webglcontextlost", this.#lost);
+    giveBackRenderer(this.renderer);
   }
 
   #fit(parent: HTMLElement): void {
@@ -127,6 +119,11 @@ export class Stage {
     this.camera.updateProjectionMatrix();
     this.draw();
   }
+
+  #lost = (event: Event) => {
+    event.preventDefault();
+    this.#options.onLost();
+  };
 
   #key = (event: KeyboardEvent) => {
     const turn = TURNS[event.key];

@@ -1,9 +1,10 @@
-import { Niivue, NVImage, NVMesh, SLICE_TYPE } from "@niivue/niivue";
+import { type Niivue, NVImage, NVMesh, SLICE_TYPE } from "@niivue/niivue";
 import { LABELS, REFERENCE_COLOR, rgb } from "../labels";
 import type { SurfaceMesh } from "../surface/readSurface";
 import type { SliceView } from "./box";
 import { drawsBySoftware } from "../webgl";
 import { reduced } from "./reduce";
+import { Viewer } from "./Viewer";
 
 export type VolumeLayout = "slices" | "axial" | "coronal" | "sagittal" | "render";
 
@@ -54,17 +55,6 @@ interface Location {
   values: { value: number }[];
 }
 
-/** niivue that tells when it has drawn. */
-class Viewer extends Niivue {
-  onDrawn: (() => void) | null = null;
-
-  override drawScene(): ReturnType<Niivue["drawScene"]> {
-    const told = super.drawScene();
-    this.onDrawn?.();
-    return told;
-  }
-}
-
 /** Voxels that are drawn: the picture of each takes four bytes, and as many again with an overlay. */
 const [MOST_VOXELS, MOST_BY_SOFTWARE] = [2 ** 26, 12_000_000];
 
@@ -99,55 +89,30 @@ export class VolumeCanvas {
   #wanted = 0;
   readonly #surfaces = new Map<string, { label: number; mesh: NVMesh }>();
 
-  constructor(parent: HTMLElement, onPlace: (place: Place) => void) {
-    this.canvas = document.createElement("canvas");
-    this.canvas.tabIndex = 0;
-    this.canvas.setAttribute("role", "img");
-    parent.append(this.canvas);
-    this.#viewer = new Viewer({
-      backColor: [0, 0, 0, 1],
-      crosshairColor: [0.5, 0.78, 0.75, 0.55],
-      crosshairWidth: 0.35,
-      crosshairGap: 14,
-      fontColor: [0.81, 0.87, 0.87, 1],
-      fontMinPx: 12,
-      fontSizeScaling: 0.35,
-      isSliceMM: true,
-      isOrientCube: false,
-      isColorbar: false,
-      multiplanarPadPixels: 6,
-      show3Dcrosshair: true,
-      meshThicknessOn2D: 0,
-      meshXRay: 0.5,
-      dragAndDropEnabled: false,
-      scrollRequiresFocus: true,
-      // Its single keys would change the layout behind the page's back.
-      viewModeHotKey: "",
-      clipPlaneHotKey: "",
-      cycleClipPlaneHotKey: "",
-      logLevel: "error",
-      loadingText: "",
-    });
+  constructor(parent: HTMLElement, onPlace: (place: Place) => void, onLost: () => void) {
+    this.#viewer = Viewer.borrow(parent);
+    this.canvas = this.#viewer.canvas;
     this.#viewer.onLocationChange = (location) => onPlace(placeOf(location as Location));
+    this.#viewer.onLost = onLost;
     this.canvas.addEventListener("keydown", this.#key);
   }
 
   /** Draw a volume, with labels over it where there are any; tells the window that it chose, and the intensities. */
   async open(image: Source, labels: Source | null, display: Omit<Display, "window">): Promise<Intensities> {
     const viewer = this.#viewer;
-    await viewer.attachToCanvas(this.canvas);
+    await viewer.ready;
     const [base, overlay] = await Promise.all([read(image, "gray"), labels ? read(labels) : null]);
     const coarse = reduce(base, drawsBySoftware() ? MOST_BY_SOFTWARE : MOST_VOXELS);
     const window: [number, number] = [base.robust_min ?? base.cal_min ?? 0, base.robust_max ?? base.cal_max ?? 1];
     const range: [number, number] = [base.global_min ?? window[0], base.global_max ?? window[1]];
     if (this.#closed) return { range, window, coarse };
     this.#arrange(display);
-    viewer.addVolume(base);
     if (overlay) {
       overlay.setColormapLabel(labelColors(display.layers, NONE));
       overlay.opacity = display.opacity;
-      viewer.addVolume(overlay);
     }
+    viewer.volumes = overlay ? [base, overlay] : [base];
+    viewer.setVolume(base, 0); // draws all of them
     this.#shown = { ...display, window };
     viewer.createOnLocationChange(); // where the crosshair is at first is told, too
     return { range, window, coarse };
@@ -285,13 +250,10 @@ export class VolumeCanvas {
   }
 
   close(): void {
+    if (this.#closed) return;
     this.#closed = true;
-    this.#viewer.onDrawn = null;
     this.canvas.removeEventListener("keydown", this.#key);
-    this.#viewer.cleanup();
-    // A browser keeps a handful of contexts; one that is only forgotten counts until it is collected.
-    this.canvas.getContext("webgl2")?.getExtension("WEBGL_lose_context")?.loseContext();
-    this.canvas.remove();
+    this.#viewer.giveBack();
   }
 
   /** Arrows move the crosshair in the axial plane, page up and page down through it. */

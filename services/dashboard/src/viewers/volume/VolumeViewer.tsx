@@ -101,12 +101,8 @@ export function VolumeViewer({
     if (!element) return;
     const controller = new AbortController();
     setStatus({ is: "loading", fraction: 0, what: "Loading the volume…" });
-    const canvas = new VolumeCanvas(element, setPlace);
+    const canvas = new VolumeCanvas(element, setPlace, () => setStatus({ is: "lost" }));
     canvas.canvas.dataset.testid = "volume";
-    canvas.canvas.addEventListener("webglcontextlost", (event) => {
-      event.preventDefault();
-      if (!controller.signal.aborted) setStatus({ is: "lost" });
-    });
     const load = async () => {
       const { image, labels, display } = current();
       const overlay = labels ? download(labels.url, labels.size, () => undefined, controller.signal) : null;

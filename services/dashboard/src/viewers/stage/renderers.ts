@@ -1,0 +1,39 @@
+import { WebGLRenderer } from "three";
+import { drawsBySoftware } from "../webgl";
+
+/** As many as a page shows at once: two shapes side by side. */
+const MOST = 2;
+
+/** Those that no page uses now. */
+const kept: WebGLRenderer[] = [];
+
+/**
+ * A renderer with a canvas of its own. A browser does not give back everything that a context took, so renderers are
+ * lent to one page after the other instead of being made anew for each.
+ */
+export function borrowRenderer(): WebGLRenderer {
+  const renderer = kept.pop() ?? new WebGLRenderer({ antialias: !drawsBySoftware() });
+  renderer.setPixelRatio(sharpness());
+  renderer.setClearColor("#000000");
+  return renderer;
+}
+
+/** Pixels of a canvas to one of the page. */
+export function sharpness(): number {
+  return drawsBySoftware() ? 1 : Math.min(window.devicePixelRatio, 2);
+}
+
+/** Whoever has drawn with it has disposed of what was drawn. */
+export function giveBackRenderer(renderer: WebGLRenderer): void {
+  renderer.domElement.remove();
+  renderer.renderLists.dispose();
+  if (kept.length < MOST && !renderer.getContext().isContextLost()) {
+    renderer.setScissorTest(false);
+    renderer.setSize(1, 1, false);
+    kept.push(renderer);
+    return;
+  }
+  renderer.dispose();
+  // A browser keeps a handful of contexts; one that is only forgotten counts until it is collected.
+  renderer.forceContextLoss();
+}
