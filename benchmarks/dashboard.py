@@ -195,13 +195,21 @@ FRAME_TIMES = """
 })
 """
 
+COUNT = """
+window.drawn = [];
+const draw = WebGL2RenderingContext.prototype.drawElements;
+WebGL2RenderingContext.prototype.drawElements = function (...given) {
+    const now = document.timeline.currentTime;
+    if (window.drawn.at(-1) !== now) window.drawn.push(now);
+    return draw.apply(this, given);
+};
+"""
+"""Notes each animation frame in which meshes were drawn."""
+
 SHOWN = """
 (milliseconds) => new Promise((resolve) => {
-    const at = document.querySelector("[data-testid=frame]");
-    const shown = [];
-    const watch = new MutationObserver(() => shown.push(performance.now()));
-    watch.observe(at, { characterData: true, childList: true, subtree: true });
-    setTimeout(() => { watch.disconnect(); resolve(shown); }, milliseconds);
+    window.drawn.length = 0;
+    setTimeout(() => resolve(window.drawn), milliseconds);
 })
 """
 
@@ -232,6 +240,7 @@ async ([script, file, rounds]) => {
 def playback(browser: Any, url: str, job: str) -> dict[str, float]:
     """Play the motion for some seconds, then decode its frames alone."""
     page = opened(browser)
+    page.add_init_script(COUNT)
     page.goto(f"{url}/jobs/{job}")
     page.locator("section[aria-label=Motion][data-status=ready]").wait_for()
     page.get_by_role("button", name="Play", exact=True).click()

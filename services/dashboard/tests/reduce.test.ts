@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { halved, reduced } from "@/viewers/volume/reduce";
+import { reduced, stepsFor } from "@/viewers/volume/reduce";
 
 /** Intensities that are linear in the place: their means are those of the middles. */
 function ramp(extent: [number, number, number], affine: number[][]) {
@@ -25,7 +25,7 @@ it("halves the long axes, and leaves everything where it is in space", () => {
     [0, -0.1, 2.5, 3],
     [0, 0, 0, 1],
   ];
-  const small = halved(ramp([301, 260, 3], affine));
+  const small = reduced(ramp([301, 260, 3], affine), 150 * 130 * 3);
   expect(small.extent).toEqual([150, 130, 3]);
   const told = ramp(small.extent, small.affine);
   let largest = 0;
@@ -37,7 +37,7 @@ it("keeps whole numbers whole", () => {
   const samples = new Uint8Array(258).fill(7);
   samples[0] = 10;
   const identity = [0, 1, 2, 3].map((row) => [0, 1, 2, 3].map((column) => Number(row === column)));
-  const { samples: means } = halved({ samples, extent: [258, 1, 1], affine: identity });
+  const { samples: means } = reduced({ samples, extent: [258, 1, 1], affine: identity }, 129);
   expect(means).toBeInstanceOf(Uint8Array);
   expect([...means.subarray(0, 2)]).toEqual([9, 7]);
 });
@@ -53,4 +53,10 @@ it("goes on until few enough are left, and leaves small volumes alone", () => {
   expect(reduced(grid, 70_000).extent).toEqual([300, 100, 2]);
   expect(reduced(grid, 40_000).extent).toEqual([150, 100, 2]);
   expect(reduced(grid, 10).extent).toEqual([75, 100, 2]);
+});
+
+it("chooses steps for the long axes alone", () => {
+  expect(stepsFor([512, 512, 512], 2 ** 24)).toEqual([2, 2, 2]);
+  expect(stepsFor([512, 512, 40], 2 ** 20)).toEqual([4, 4, 1]);
+  expect(stepsFor([64, 64, 64], 10)).toEqual([1, 1, 1]);
 });

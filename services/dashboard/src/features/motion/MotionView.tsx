@@ -7,7 +7,7 @@ import type { components } from "@/api/schema";
 import type { Job } from "@/api/types";
 import { Facts } from "@/app/Facts";
 import { Waiting } from "@/app/Notice";
-import { createStore, type Store, useStore } from "@/app/store";
+import { calmed, createStore, type Store, useStore } from "@/app/store";
 import { Downloads } from "@/features/jobs/Downloads";
 import { bytes, integer, significant } from "@/format/format";
 import { NoWebGL } from "@/viewers/ViewerFrame";
@@ -104,8 +104,12 @@ export default function MotionView({ job, result, facts }: { job: Job; result: M
   );
 }
 
+/** How often a chart follows what plays, in ms: to draw it takes as long as a frame of the motion. */
+const FOLLOWS = 100;
+
 function ErrorByFrame({ errors, frame }: { errors: readonly number[]; frame: Store<number> }) {
   const points = useMemo(() => errors.map((y, x) => ({ x, y })), [errors]);
+  const calm = useMemo(() => calmed(frame, FOLLOWS), [frame]);
   return (
     <Chart
       title="Error by frame"
@@ -114,7 +118,7 @@ function ErrorByFrame({ errors, frame }: { errors: readonly number[]; frame: Sto
       yLabel="RMS error"
       format={(value) => significant(value, 2)}
       formatX={(value) => integer(value + 1)}
-      at={useStore(frame)}
+      at={useStore(calm)}
     />
   );
 }

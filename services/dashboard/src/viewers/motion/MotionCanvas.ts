@@ -5,7 +5,7 @@ import {
   DoubleSide,
   Mesh,
   MeshBasicMaterial,
-  MeshStandardMaterial,
+  MeshLambertMaterial,
   Sphere,
   Vector3,
 } from "three";
@@ -29,8 +29,8 @@ export interface Difference {
 /** A mesh whose vertices move, alone, beside or over its original. Draws only when something has changed. */
 export class MotionCanvas {
   readonly stage: Stage;
-  readonly #mesh: Mesh<BufferGeometry, MeshStandardMaterial>;
-  readonly #original: Mesh<BufferGeometry, MeshStandardMaterial>;
+  readonly #mesh: Mesh<BufferGeometry, MeshLambertMaterial>;
+  readonly #original: Mesh<BufferGeometry, MeshLambertMaterial>;
   readonly #wires: Mesh<BufferGeometry, MeshBasicMaterial>;
   readonly #positions: BufferAttribute;
   readonly #before: BufferAttribute;
@@ -49,9 +49,9 @@ export class MotionCanvas {
     geometry.setAttribute("position", this.#positions).setAttribute("color", this.#colors);
     const before = new BufferGeometry().setIndex(index);
     before.setAttribute("position", this.#before);
-    // Shading by face needs no normals, which would have to be computed anew for each frame.
-    const material = (color: Color) =>
-      new MeshStandardMaterial({ color, roughness: 0.6, side: DoubleSide, flatShading: true });
+    // Shading by face needs no normals, which would have to be computed anew for each frame; without gloss it takes
+    // little where the processor draws.
+    const material = (color: Color) => new MeshLambertMaterial({ color, side: DoubleSide, flatShading: true });
     this.#mesh = new Mesh(geometry, material(PLAIN));
     this.#original = new Mesh(before, material(ORIGINAL));
     this.#wires = new Mesh(

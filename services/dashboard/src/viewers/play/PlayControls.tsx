@@ -1,7 +1,7 @@
 import { ActionIcon, Slider, Text } from "@mantine/core";
 import { Pause, Play } from "lucide-react";
-import { type ComponentProps, useState } from "react";
-import { type Store, useStore } from "@/app/store";
+import { type ComponentProps, useMemo, useState } from "react";
+import { calmed, type Store, useStore } from "@/app/store";
 import classes from "./play.module.css";
 
 interface PlayControlsProps {
@@ -13,12 +13,16 @@ interface PlayControlsProps {
   onFrame: (index: number) => void;
 }
 
+/** How often they follow what plays, in ms: a page that changes with each frame has less time to draw them. */
+const FOLLOWS = 100;
+
 /** The same for a frame that many are told of: nothing else is rendered anew for each. */
 export function StoredControls({
   frame,
   ...others
 }: { frame: Store<number> } & Omit<ComponentProps<typeof PlayControls>, "shown">) {
-  return <PlayControls shown={useStore(frame)} {...others} />;
+  const calm = useMemo(() => calmed(frame, FOLLOWS), [frame]);
+  return <PlayControls shown={useStore(calm)} {...others} />;
 }
 
 /** Play, pause, and a slider over the frames, at the foot of a viewer. */

@@ -46,7 +46,7 @@ export class Viewer extends Niivue {
   onDrawn: (() => void) | null = null;
   onLost: (() => void) | null = null;
   readonly #still: Niivue["uiData"];
-  #usable = true;
+  #usable = true; // its context is there
 
   /** One in its first state, shown in `parent`: the one that is kept, or a new one. */
   static borrow(parent: HTMLElement): Viewer {
@@ -74,19 +74,28 @@ export class Viewer extends Niivue {
     });
   }
 
-  /** Take it out of its page, with everything that it shows; whoever borrowed it is done with it. */
-  giveBack(): void {
-    this.holder.remove();
-    this.onDrawn = null;
-    this.onLost = null;
-    this.onLocationChange = () => undefined;
-    if (kept || !this.#usable) {
-      this.cleanup();
-      // A browser keeps a handful of contexts; one that is only forgotten counts until it is collected.
-      this.canvas.getContext("webgl2")?.getExtension("WEBGL_lose_context")?.loseContext();
-      return;
+  /** Take one out of its page; whoever borrowed it is done with it. */
+  static giveBack(viewer: Viewer): void {
+    viewer.holder.remove();
+    viewer.onDrawn = null;
+    viewer.onLost = null;
+    viewer.onLocationChange = () => undefined;
+    if (kept || !viewer.#usable) {
+      viewer.#end();
+    } else {
+      kept = viewer;
+      viewer.#clear();
     }
-    kept = this;
+  }
+
+  #end(): void {
+    this.cleanup();
+    // A browser keeps a handful of contexts; one that is only forgotten counts until it is collected.
+    this.canvas.getContext("webgl2")?.getExtension("WEBGL_lose_context")?.loseContext();
+  }
+
+  /** Free what it shows, and go back to the first state. */
+  #clear(): void {
     for (const mesh of this.meshes) mesh.unloadMesh(this.gl);
     this.document = new NVDocument();
     Object.assign(this.opts, OPTIONS);

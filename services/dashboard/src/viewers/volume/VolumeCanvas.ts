@@ -3,7 +3,8 @@ import { LABELS, REFERENCE_COLOR, rgb } from "../labels";
 import type { SurfaceMesh } from "../surface/readSurface";
 import type { SliceView } from "./box";
 import { drawsBySoftware } from "../webgl";
-import { reduced } from "./reduce";
+import type { Drawn } from "./niftiStream";
+import { coarserAffine, reduced } from "./reduce";
 import { Viewer } from "./Viewer";
 
 export type VolumeLayout = "slices" | "axial" | "coronal" | "sagittal" | "render";
@@ -34,10 +35,9 @@ export interface Display {
   window: [number, number];
 }
 
-export interface Source {
+export interface Source extends Drawn {
   /** With the extension that tells the format. */
   name: string;
-  content: ArrayBuffer;
 }
 
 export interface Intensities {
@@ -55,8 +55,10 @@ interface Location {
   values: { value: number }[];
 }
 
-/** Voxels that are drawn: the picture of each takes four bytes, and as many again with an overlay. */
-const [MOST_VOXELS, MOST_BY_SOFTWARE] = [2 ** 26, 12_000_000];
+/** Voxels that are drawn at the most: the picture of each takes four bytes, and as many again with an overlay. */
+export function mostVoxels(): number {
+  return drawsBySoftware() ? 2 ** 24 : 2 ** 26;
+}
 
 /** The axes of a slice: across, upwards, through. */
 const AXES: Partial<Record<SLICE_TYPE, [0 | 1, 1 | 2, 0 | 1 | 2]>> = {
@@ -102,7 +104,7 @@ export class VolumeCanvas {
     const viewer = this.#viewer;
     await viewer.ready;
     const [base, overlay] = await Promise.all([read(image, "gray"), labels ? read(labels) : null]);
-    const coarse = reduce(base, drawsBySoftware() ? MOST_BY_SOFTWARE : MOST_VOXELS);
+    const coarse = reduce(base, mostVoxels()) || Math.max(...image.steps) > 1;
     const window: [number, number] = [base.robust_min ?? base.cal_min ?? 0, base.robust_max ?? base.cal_max ?? 1];
     const range: [number, number] = [base.global_min ?? window[0], base.global_max ?? window[1]];
     if (this.#closed) return { range, window, coarse };
@@ -253,7 +255,7 @@ export class VolumeCanvas {
     if (this.#closed) return;
     this.#closed = true;
     this.canvas.removeEventListener("keydown", this.#key);
-    this.#viewer.giveBack();
+    Viewer.giveBack(this.#viewer);
   }
 
   /** Arrows move the crosshair in the axial plane, page up and page down through it. */
@@ -274,8 +276,20 @@ export class VolumeCanvas {
   };
 }
 
-function read({ name, content }: Source, colormap = ""): Promise<NVImage> {
-  return NVImage.loadFromUrl({ url: name, name, buffer: content, colormap });
+async function read({ name, content, steps }: Source, colormap = ""): Promise<NVImage> {
+  const image = await NVImage.loadFromUrl({ url: name, name, buffer: content, colormap });
+  if (Math.max(...steps) > 1 && image.hdr) place(image, coarserAffine(image.hdr.affine, steps));
+  return image;
+}
+
+/** Put a volume somewhere else in space: its voxels have become larger. */
+function place(image: NVImage, affine: number[][]): void {
+  const { hdr } = image;
+  if (!hdr) return;
+  hdr.pixDims = hdr.pixDims.map((length, axis) =>
+    axis >= 1 && axis <= 3 ? Math.hypot(...affine.slice(0, 3).map((row) => row[axis - 1] ?? 0)) : length,
+  );
+  image.setAffine(affine);
 }
 
 /** Make a very large volume coarser: its picture would not fit into a graphics card, or keep a processor for minutes. */
@@ -287,10 +301,7 @@ function reduce(image: NVImage, most: number): boolean {
   image.img = samples;
   image.nFrame4D = 1;
   hdr.dims = [3, ...extent, 1, 1, 1, 1];
-  hdr.pixDims = hdr.pixDims.map((length, axis) =>
-    axis >= 1 && axis <= 3 ? Math.hypot(...affine.slice(0, 3).map((row) => row[axis - 1] ?? 0)) : length,
-  );
-  image.setAffine(affine);
+  place(image, affine);
   image.calMinMax();
   return true;
 }

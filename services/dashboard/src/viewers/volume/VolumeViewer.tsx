@@ -13,13 +13,8 @@ import frame from "../viewers.module.css";
 import { around, type Box } from "./box";
 import { BoxLayer } from "./BoxLayer";
 import { DisplayMenu } from "./DisplayMenu";
-import { type Display, type Place, VolumeCanvas, type VolumeLayout } from "./VolumeCanvas";
-
-export interface VolumeFile {
-  url: string;
-  name: string;
-  size: number;
-}
+import { loadVolume, type VolumeFile } from "./loadVolume";
+import { type Display, mostVoxels, type Place, VolumeCanvas, type VolumeLayout } from "./VolumeCanvas";
 
 interface VolumeViewerProps {
   image: VolumeFile;
@@ -105,23 +100,17 @@ export function VolumeViewer({
     canvas.canvas.dataset.testid = "volume";
     const load = async () => {
       const { image, labels, display } = current();
-      const overlay = labels ? download(labels.url, labels.size, () => undefined, controller.signal) : null;
-      const content = await download(
-        image.url,
-        image.size,
-        (fraction) => setStatus({ is: "loading", fraction, what: "Loading the volume…" }),
-        controller.signal,
-      );
+      const load = async (file: VolumeFile, isLabels: boolean, onProgress: (fraction: number) => void) => ({
+        name: file.name,
+        ...(await loadVolume(file, mostVoxels(), isLabels, onProgress, controller.signal)),
+      });
+      const [source, overlay] = await Promise.all([
+        load(image, false, (fraction) => setStatus({ is: "loading", fraction, what: "Loading the volume…" })),
+        labels && load(labels, true, () => undefined),
+      ]);
+      if (controller.signal.aborted) return;
       setStatus({ is: "loading", fraction: 1, what: "Drawing…" });
-      const {
-        range: whole,
-        window,
-        coarse: isCoarse,
-      } = await canvas.open(
-        { name: image.name, content },
-        labels && overlay ? { name: labels.name, content: await overlay } : null,
-        display,
-      );
+      const { range: whole, window, coarse: isCoarse } = await canvas.open(source, overlay, display);
       if (controller.signal.aborted) return;
       setRange(whole);
       setCoarse(isCoarse);
@@ -148,10 +137,10 @@ export function VolumeViewer({
     if (!ready || !canvas) return;
     const controller = new AbortController();
     const lay = async () => {
-      const content = reference
-        ? await download(reference.url, reference.size, () => undefined, controller.signal)
+      const mask = reference
+        ? await loadVolume(reference, mostVoxels(), true, () => undefined, controller.signal)
         : null;
-      await canvas.lay(reference && content ? { name: reference.name, content } : null, opacity());
+      await canvas.lay(reference && mask ? { name: reference.name, ...mask } : null, opacity());
     };
     lay().catch((error: unknown) => {
       if (!controller.signal.aborted) sayFailure("The reference cannot be drawn", error);

@@ -1,50 +1,121 @@
+export type Samples =
+  Uint8Array | Int8Array | Uint16Array | Int16Array | Uint32Array | Int32Array | Float32Array | Float64Array;
+
+/** One number for each axis, x first. */
+export type Triple = [number, number, number];
+
 /** A volume in memory: x runs fastest. */
 export interface Grid<T extends Samples> {
   samples: T;
-  extent: [number, number, number];
+  extent: Triple;
   /** From voxels to mm, row by row. */
   affine: number[][];
 }
 
-export type Samples = Uint8Array | Uint16Array | Int16Array | Uint32Array | Int32Array | Float32Array | Float64Array;
-
 /** An axis of fewer voxels is not halved. */
 const FEW = 128;
 
-/** Halve the resolution until there are no more than `most` voxels. */
-export function reduced<T extends Samples>(grid: Grid<T>, most: number): Grid<T> {
-  const [nx, ny, nz] = grid.extent;
-  return nx * ny * nz <= most || Math.max(nx, ny, nz) <= FEW ? grid : reduced(halved(grid), most);
+/** A block of labels is drawn where at least this share of it is labeled, so that what is thin is not lost. */
+const LABELED = 0.25;
+
+/** How many voxels become one along each axis: long axes are halved until there are no more than `most` in all. */
+export function stepsFor(extent: Triple, most: number): Triple {
+  const steps: Triple = [1, 1, 1];
+  const left = (axis: number) => Math.floor((extent[axis] ?? 1) / (steps[axis] ?? 1));
+  while (left(0) * left(1) * left(2) > most && Math.max(left(0), left(1), left(2)) > FEW) {
+    for (const axis of [0, 1, 2] as const) if (left(axis) > FEW) steps[axis] *= 2;
+  }
+  return steps;
 }
 
-/** Halve the resolution along each long axis, each voxel the mean of those that it takes the place of. */
-export function halved<T extends Samples>({ samples, extent, affine }: Grid<T>): Grid<T> {
-  const steps = extent.map((length) => (length > FEW ? 2 : 1)) as [number, number, number];
-  const [sx, sy, sz] = steps;
-  const [nx, ny] = extent;
-  const smaller = extent.map((length, axis) => Math.floor(length / (steps[axis] ?? 1))) as [number, number, number];
-  const [mx, my, mz] = smaller;
-  const whole = !(samples instanceof Float32Array || samples instanceof Float64Array);
-  const result = new (samples.constructor as new (length: number) => T)(mx * my * mz);
-  const count = sx * sy * sz;
-  for (let z = 0, to = 0; z < mz; z += 1) {
-    for (let y = 0; y < my; y += 1) {
-      for (let x = 0; x < mx; x += 1, to += 1) {
-        let sum = 0;
-        for (let dz = 0; dz < sz; dz += 1) {
-          for (let dy = 0; dy < sy; dy += 1) {
-            const from = ((z * sz + dz) * ny + y * sy + dy) * nx + x * sx;
-            for (let dx = 0; dx < sx; dx += 1) sum += samples[from + dx] as number;
-          }
-        }
-        result[to] = whole ? Math.round(sum / count) : sum / count;
-      }
-    }
-  }
-  // A new voxel's center lies between those of the old ones.
+/** From voxels to mm after blocks of `steps` voxels became one: its middle lies between theirs. */
+export function coarserAffine(affine: readonly (readonly number[])[], steps: Triple): number[][] {
   const moved = affine.slice(0, 3).map((row) => {
     const shift = steps.reduce((sum, step, axis) => sum + (row[axis] ?? 0) * ((step - 1) / 2), row[3] ?? 0);
     return [...steps.map((step, axis) => (row[axis] ?? 0) * step), shift];
   });
-  return { samples: result, extent: smaller, affine: [...moved, [0, 0, 0, 1]] };
+  return [...moved, [0, 0, 0, 1]];
+}
+
+/**
+ * Makes blocks of voxels one, of a volume that comes row by row: intensities their mean, labels their largest where
+ * enough of the block is labeled. What does not fill a block at the end of an axis is left out.
+ */
+export class Blocks<T extends Samples> {
+  readonly samples: T;
+  readonly extent: Triple;
+  readonly #steps: Triple;
+  readonly #rows: number;
+  readonly #labels: boolean;
+  readonly #whole: boolean;
+  /** Of the layer of blocks that is being filled: sums of intensities, or counts of labeled voxels. */
+  readonly #sums: Float64Array;
+  #row = 0;
+
+  constructor(make: new (length: number) => T, extent: Triple, steps: Triple, labels: boolean) {
+    this.#steps = steps;
+    this.#rows = extent[1];
+    this.#labels = labels;
+    this.extent = extent.map((length, axis) => Math.floor(length / (steps[axis] ?? 1))) as Triple;
+    const [mx, my, mz] = this.extent;
+    this.samples = new make(mx * my * mz);
+    this.#whole = !(this.samples instanceof Float32Array || this.samples instanceof Float64Array);
+    this.#sums = new Float64Array(mx * my);
+  }
+
+  /** The next row of voxels along x, those that come before it having been added. */
+  add(row: ArrayLike<number>): void {
+    const [sx, sy, sz] = this.#steps;
+    const [mx, my, mz] = this.extent;
+    const y = Math.floor((this.#row % this.#rows) / sy);
+    const layer = Math.floor(this.#row / this.#rows);
+    const z = Math.floor(layer / sz);
+    this.#row += 1;
+    if (z >= mz) return;
+    if (y < my) this.#gather(row, y * mx, (z * my + y) * mx);
+    if (this.#row % this.#rows === 0 && layer % sz === sz - 1) this.#finish(z * mx * my, sx * sy * sz);
+  }
+
+  #gather(row: ArrayLike<number>, to: number, at: number): void {
+    const [sx] = this.#steps;
+    const [mx] = this.extent;
+    const sums = this.#sums;
+    for (let x = 0, from = 0; x < mx; x += 1) {
+      let sum = 0;
+      if (this.#labels) {
+        let largest = this.samples[at + x] as number;
+        for (let dx = 0; dx < sx; dx += 1, from += 1) {
+          const label = row[from] as number;
+          if (label > 0) sum += 1;
+          if (label > largest) largest = label;
+        }
+        this.samples[at + x] = largest;
+      } else {
+        for (let dx = 0; dx < sx; dx += 1, from += 1) sum += row[from] as number;
+      }
+      sums[to + x] = (sums[to + x] as number) + sum;
+    }
+  }
+
+  #finish(at: number, count: number): void {
+    const { samples } = this;
+    const sums = this.#sums;
+    for (let i = 0; i < sums.length; i += 1) {
+      const mean = (sums[i] as number) / count;
+      if (!this.#labels) samples[at + i] = this.#whole ? Math.round(mean) : mean;
+      else if (mean < LABELED) samples[at + i] = 0;
+    }
+    sums.fill(0);
+  }
+}
+
+/** A grid of no more than `most` voxels that shows the same, if its axes allow. */
+export function reduced<T extends Samples>(grid: Grid<T>, most: number): Grid<T> {
+  const { samples, extent, affine } = grid;
+  const steps = stepsFor(extent, most);
+  if (Math.max(...steps) === 1) return grid;
+  const blocks = new Blocks(samples.constructor as new (length: number) => T, extent, steps, false);
+  const [nx, ny, nz] = extent;
+  for (let row = 0; row < ny * nz; row += 1) blocks.add(samples.subarray(row * nx, (row + 1) * nx));
+  return { samples: blocks.samples, extent: blocks.extent, affine: coarserAffine(affine, steps) };
 }
