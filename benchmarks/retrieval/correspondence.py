@@ -45,9 +45,10 @@ def correspondence(folder: Path) -> dict[str, Any]:
     Returns
     -------
     By set and level: ``right``, the share of the area of parts whose match is the part that most of their vertices lie
-    in; ``overlapping``, of parts whose match holds at least a quarter of their area or lies for a quarter in them, for
-    borders of parts move with the pose; ``repeatable``, the share of the area that would stay in its part if every part
-    were matched right.
+    in; ``carried``, the share that the plan carries between the same two parts as the vertices, where a part may go to
+    several; ``overlapping``, of parts whose match holds at least a quarter of their area or lies for a quarter in them,
+    for borders of parts move with the pose; ``repeatable``, the share of the area that would stay in its part if every
+    part were matched right.
     """
     rows: dict[str, Any] = {}
     for name in SETS:
@@ -56,20 +57,21 @@ def correspondence(folder: Path) -> dict[str, Any]:
             figures = [_compared(a, b, level) for i, a in enumerate(poses) for j, b in enumerate(poses) if i != j]
             mean = np.mean(figures, axis=0)
             rows[f"{name}, level {level}"] = dict(
-                zip(("right", "overlapping", "repeatable"), mean.tolist(), strict=True)
+                zip(("right", "carried", "overlapping", "repeatable"), mean.tolist(), strict=True)
             )
         print(name, rows, flush=True)
     return rows
 
 
-def _compared(a: tuple[Any, ...], b: tuple[Any, ...], level: int) -> tuple[float, float, float]:
-    pairs = match(a[0], b[0]).levels[level].pairs()
+def _compared(a: tuple[Any, ...], b: tuple[Any, ...], level: int) -> tuple[float, float, float, float]:
+    found = match(a[0], b[0]).levels[level]
     own, others, areas = a[1][level - 1], b[1][level - 1], a[2]
     shared = np.zeros((a[0].levels[level].parts, b[0].levels[level].parts))
     np.add.at(shared, (own, others), areas)
     size, there = shared.sum(axis=1), np.maximum(shared.sum(axis=0), 1e-12)
-    chosen = np.array([j for _, j, _ in pairs])
+    chosen = np.array([j for _, j, _ in found.pairs()])
+    carried = np.minimum(found.transport, shared).sum()
     every = np.arange(len(chosen))
     right = shared[every, chosen] >= shared.max(axis=1) - 1e-12
     near = (shared[every, chosen] >= 0.25 * size) | (shared[every, chosen] >= 0.25 * there[chosen])
-    return float(size @ right), float(size @ (right | near)), float(shared.max(axis=1).sum())
+    return float(size @ right), float(carried), float(size @ (right | near)), float(shared.max(axis=1).sum())

@@ -22,6 +22,7 @@ from benchmarks.retrieval.features import CACHE
 from shapery_contracts.retrieval import VECTOR_DIMENSION
 from shapery_geometry.threads import one_blas_thread
 from shapery_retrieval.arg import Arg
+from shapery_retrieval.correspondence import SampledSurface, surface_of
 from shapery_retrieval.job import CANDIDATES
 from shapery_retrieval.packing import PackedLevel, pack_levels, part_distances, whole_arrays
 from shapery_retrieval.ranking import RANK
@@ -45,6 +46,7 @@ class Grown:
     """Graphs between those of `args`, made a thousand at a time and kept in files."""
 
     def __init__(self, args: Sequence[Arg], size: int) -> None:
+        self._args = args
         self._real = pack_levels(args), whole_arrays(args)
         vectors = vectors_of(*self._real)
         self._near = np.argsort(cue_distances(vectors, vectors, "covariance"), axis=1)[:, 1:13]
@@ -75,10 +77,19 @@ class Grown:
         """Lay out the graphs of some shapes."""
         return tuple(level.taken(places % len(self._vectors)) for level in self.levels)
 
+    def lay_surfaces(self, places: NDArray[np.int64]) -> list[SampledSurface]:
+        """Lay out the samples of the real graphs that some shapes were made from."""
+        within = places % len(self._vectors)
+        return [surface_of(self._args[self._starts(k // CHUNK)[k % CHUNK]]) for k in within.tolist()]
+
+    def _starts(self, number: int) -> NDArray[np.int64]:
+        """Return which real graph each of a thousand was made from."""
+        return np.random.default_rng([13, number]).integers(len(self._args), size=CHUNK)
+
     def _chunk(self, number: int) -> tuple[list[dict[str, Any]], NDArray[np.float32]]:
         path = self._folder / f"{number}.npz"
         if not path.exists():
-            levels, vectors = self._between(CHUNK, np.random.default_rng([11, number]))
+            levels, vectors = self._between(self._starts(number), np.random.default_rng([11, number]))
             arrays = {f"{name}{k}": getattr(level, name) for k, level in enumerate(levels) for name in NAMES}
             part = path.with_suffix(".part.npz")
             np.savez(part, vectors=vectors, **arrays)
@@ -88,9 +99,11 @@ class Grown:
             return found, stored["vectors"]
 
     @one_blas_thread()
-    def _between(self, count: int, rng: np.random.Generator) -> tuple[list[PackedLevel], NDArray[np.float32]]:
+    def _between(
+        self, start: NDArray[np.int64], rng: np.random.Generator
+    ) -> tuple[list[PackedLevel], NDArray[np.float32]]:
         levels, whole = self._real
-        start = rng.integers(len(self._near), size=count)
+        count = len(start)
         end = self._near[start, rng.integers(self._near.shape[1], size=count)]
         way = rng.uniform(0, WAY, count)[:, None]
         moved = {}
@@ -218,7 +231,14 @@ def _over(
 ) -> Searcher:
     """Return a searcher over some graphs of a bank, named by their places."""
     names = [f"{place:07d}" for place in places.tolist()]
-    return Searcher(names, vectors, lambda chosen: bank.lay(places[chosen]), lambda _: [], scales=scales)
+    return Searcher(
+        names,
+        vectors,
+        lambda chosen: bank.lay(places[chosen]),
+        lambda _: [],
+        lambda chosen: bank.lay_surfaces(places[chosen]),
+        scales=scales,
+    )
 
 
 def row_of(row: dict[str, Any]) -> str:

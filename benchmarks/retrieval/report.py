@@ -34,12 +34,14 @@ def report(found: dict[str, Any]) -> str:
     if "correspondence" in found:
         lines += [
             "## Matched parts of poses whose vertices correspond", "",
-            "Shares of the area. Right: matched with the part that most of the vertices lie in. Overlapping: a quarter",
-            "of either lies in the other. Repeatable: what stays in its part if every part is matched right.", "",
-            "| poses | right | overlapping | repeatable |", "|---|---|---|---|",
+            "Shares of the area. Right: matched with the part that most of the vertices lie in. Carried: by the plan,",
+            "between the same two parts as by the vertices, where a part may go to several. Overlapping: a quarter of",
+            "either lies in the other. Repeatable: what stays in its part if every part is matched right.", "",
+            "| poses | right | carried | overlapping | repeatable |", "|---|---|---|---|---|",
         ]  # fmt: skip
         for name, row in found["correspondence"].items():
-            lines.append(f"| {name} | {row['right']:.3f} | {row['overlapping']:.3f} | {row['repeatable']:.3f} |")
+            figures = " | ".join(f"{row[key]:.3f}" for key in ("right", "carried", "overlapping", "repeatable"))
+            lines.append(f"| {name} | {figures} |")
         lines.append("")
     if "index_cpu_seconds" in found:
         stages = found["index_cpu_seconds"]

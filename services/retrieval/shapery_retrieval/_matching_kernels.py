@@ -95,6 +95,34 @@ def _balance(kernel, masses, other, k, l, rounds, relaxed, plan):  # noqa: E741
 
 
 @njit(**_FAST)
+def _settle(cost, masses, other, sharpness, rounds, relaxed, left, right, kernel, plan):
+    k, l = len(masses), len(other)  # noqa: E741
+    for i in range(k):
+        left[i] = cost[i, 0]
+    for j in range(l):
+        right[j] = cost[0, j]
+    for i in range(k):
+        for j in range(l):
+            left[i] = min(left[i], cost[i, j])
+            right[j] = min(right[j], cost[i, j])
+    # Shifts by row and by column change no plan. Taken half each they keep the plan of (y, x) that of (x, y)
+    # transposed; the bound keeps columns from vanishing in single precision.
+    for i in range(k):
+        _exponentials(cost[i], left[i], right, sharpness, l, kernel[i])
+    _balance(kernel, masses, other, k, l, rounds, relaxed, plan)
+
+
+@njit(**_FAST)
+def settle(cost, masses, other, epsilon, rounds, relaxed, plan):
+    """Fill `plan` (k, l) with what carries the masses at the given costs, softened by entropy."""
+    k, l = len(masses), len(other)  # noqa: E741
+    kernel = np.empty((k, l), dtype=np.float32)
+    left = np.empty(k, dtype=np.float32)
+    right = np.empty(l, dtype=np.float32)
+    _settle(cost, masses, other, np.float32(1.0) / epsilon, rounds, relaxed, left, right, kernel, plan)
+
+
+@njit(**_FAST)
 def transport(
     cost, masses, distances, other_masses, other_distances, alpha, warm, epsilon, outer, rounds, relaxed, plan
 ):  # fmt: skip
@@ -119,19 +147,7 @@ def transport(
         # the first plan is that of the nodes alone
         left_over = np.float32(outer - step) / np.float32(max(outer, 1))
         sharpness = np.float32(1.0) / (epsilon * (warm / epsilon) ** left_over)
-        for i in range(k):
-            left[i] = gradient[i, 0]
-        for j in range(l):
-            right[j] = gradient[0, j]
-        for i in range(k):
-            for j in range(l):
-                left[i] = min(left[i], gradient[i, j])
-                right[j] = min(right[j], gradient[i, j])
-        # Shifts by row and by column change no plan. Taken half each they keep the plan of (y, x) that of (x, y)
-        # transposed; the bound keeps columns from vanishing in single precision.
-        for i in range(k):
-            _exponentials(gradient[i], left[i], right, sharpness, l, kernel[i])
-        _balance(kernel, masses, other_masses, k, l, rounds, relaxed, plan)
+        _settle(gradient, masses, other_masses, sharpness, rounds, relaxed, left, right, kernel, plan)
         # Σ_kl (C_ik − D_jl)² T_kl = (C² T1)_i + (D² Tᵀ1)_j − 2 (C T D)_ij
         for i in range(k):
             row = np.float32(0.0)

@@ -19,6 +19,7 @@ from shapery_retrieval.decompose import Decomposition, decompose
 from shapery_retrieval.nodes import build_levels
 from shapery_retrieval.normalise import NormalisedMesh, normalise
 from shapery_retrieval.patches import SHARES, LocalSurface, Patches
+from shapery_retrieval.sides import sample_arrays
 from shapery_retrieval.signals import Signals, compute_signals
 from shapery_retrieval.whole import whole_descriptors
 
@@ -139,6 +140,7 @@ def describe(mesh: TriangleMesh, *, on_stage: OnStage | None = None) -> Descript
     stage("patches")
     masses, features = LocalSurface(normalised, signals, decomposition.samples).described(1.0)
     parts = decomposition.levels[-1].astype(np.uint8)
+    whole |= sample_arrays(surface, signals, decomposition.samples)
     whole |= {"patch_masses": masses, "patch_features": features, "patch_parts": parts}
     done("patches")
     # written and read once, so that what is compared now is exactly what will be compared later

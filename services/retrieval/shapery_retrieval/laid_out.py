@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from shapery_contracts.retrieval import INDEX_VERSION, VECTOR_DIMENSION, Candidate, ShapeBank
 from shapery_retrieval.arg import Arg
+from shapery_retrieval.correspondence import SampledSurface, surface_of
 from shapery_retrieval.packing import PackedLevel, joined, pack_levels
 from shapery_retrieval.patches import Patches, patches_of
 from shapery_retrieval.search import Searcher
@@ -72,7 +73,11 @@ class Searchers:
         def lay_patches(places: NDArray[np.int64]) -> list[Patches]:
             return [laid.patches for laid in self._laid(bank, [ids[place] for place in places.tolist()])]
 
-        return Searcher(ids, vectors.reshape(len(ids), VECTOR_DIMENSION), lay, lay_patches, version, scales)
+        def lay_surfaces(places: NDArray[np.int64]) -> list[SampledSurface]:
+            return [surface_of(laid.arg) for laid in self._laid(bank, [ids[place] for place in places.tolist()])]
+
+        table = vectors.reshape(len(ids), VECTOR_DIMENSION)
+        return Searcher(ids, table, lay, lay_patches, lay_surfaces, version, scales)
 
     def _laid(self, bank: ShapeBank, ids: Sequence[str]) -> list[_Laid]:
         missing = [shape_id for shape_id in ids if shape_id not in self._graphs]

@@ -1,8 +1,8 @@
 """Matching of two graphs: a score, and which parts correspond (section 4.6).
 
 On every level a fused Gromov–Wasserstein transport carries the area of one shape's parts to the other's, so that parts
-alike in features meet and distances between parts are kept. The plan is the correspondence; its cost, less what both
-shapes cost with themselves, is the distance.
+alike in features meet and distances between parts are kept. Its cost, less what both shapes cost with themselves, is
+the distance. Which parts correspond is found by their samples; see `shapery_retrieval.correspondence`.
 
 References
 ----------
@@ -14,24 +14,19 @@ off the cost with oneself).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from shapery_retrieval import _matching_kernels as kernels
 from shapery_retrieval.arg import Arg
-from shapery_retrieval.packing import EPSILON, PackedLevel
+from shapery_retrieval.correspondence import SampledSurface, between_parts, lay, surface_of
 from shapery_retrieval.vector import PackedGraphs, cue_distances, pack
 from shapery_retrieval.vocabulary import vocabulary
 
 UNLIKE = 0.35
 """Divergence at which a level's score has fallen to 1/e; about the mean between unrelated generated shapes."""
-
-SHARP_ALPHA, SHARP_WARM, SHARP_EPSILON = np.float32(0.8), EPSILON, np.float32(0.01)
-SHARP_OUTER, SHARP_ROUNDS = 8, 30
-"""For correspondences distances between parts count more than features: in another pose they are kept."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,8 +40,8 @@ class LevelMatch:
     score
         In [0, 1]; 1 for a shape with itself.
     transport : (k, l) float64
-        How much of the query's area the matching carries from each of its parts to each part of the other; in sum 1.
-        Empty on levels whose plan was not asked for.
+        How much of the query's area is laid from each of its parts on each part of the other; in sum 1. On all levels
+        it is the same laying of the samples, so that parents and children agree.
     """
 
     level: int
@@ -96,7 +91,7 @@ def match(query: Arg, other: Arg, *, partial: bool = False) -> Match:
         ``conflict`` for graphs of different index versions.
     """
     both = pack((query, other))
-    return match_packed(both, 0, both, np.array([1]), partial=partial)[0]
+    return match_packed(both, 0, both, np.array([1]), surface_of(query), [surface_of(other)], partial=partial)[0]
 
 
 def match_packed(
@@ -104,15 +99,12 @@ def match_packed(
     index: int,
     bank: PackedGraphs,
     places: NDArray[np.int64],
+    own_surface: SampledSurface,
+    surfaces: Sequence[SampledSurface],
     *,
     partial: bool = False,
-    plans: Literal["all", "best"] = "all",
 ) -> list[Match]:
-    """Match a graph with others that are laid out already; see `match`.
-
-    With `plans` ``best`` the plan of the best level alone is worked out, which is what costs most; the others' are
-    empty.
-    """
+    """Match a graph with others that are laid out already, as are their samples; see `match`."""
     scores = []
     for own, others in zip(query.levels, bank.levels, strict=True):
         if partial:
@@ -124,35 +116,17 @@ def match_packed(
     below = np.stack(scores, axis=1)
     roots = None if partial else _root_scores(query, index, bank, places)
     matches = []
-    for row, place in enumerate(places.tolist()):
+    for row, (place, surface) in enumerate(zip(places.tolist(), surfaces, strict=True)):
+        plan = lay(own_surface, surface, relaxed=partial)
         best = int(np.argmax(below[row])) + 1
         levels = [] if roots is None else [LevelMatch(0, float(roots[row]), np.ones((1, 1)))]
         for number, (own, others) in enumerate(zip(query.levels, bank.levels, strict=True), start=1):
-            if plans == "all" or number == best:
-                plan = sharp_plan(own, index, others, place, relaxed=partial)
-            else:
-                plan = np.zeros((0, 0))
-            levels.append(LevelMatch(number, float(below[row, number - 1]), plan))
+            sizes = int(own.parts[index]), int(others.parts[place])
+            carried = between_parts(plan, own_surface.parts[number - 1], surface.parts[number - 1], *sizes)
+            levels.append(LevelMatch(number, float(below[row, number - 1]), carried))
         score = float(below[row, best - 1]) if partial else sum(level.score for level in levels) / len(levels)
         matches.append(Match(score, tuple(levels), best))
     return matches
-
-
-def sharp_plan(
-    query: PackedLevel, index: int, other: PackedLevel, place: int, *, relaxed: bool = False
-) -> NDArray[np.float64]:
-    """(k, l) plan that puts one graph's level on another's.
-
-    Scores take few soft steps, which is what ranks best and fastest. Correspondences take more steps with less entropy,
-    so that a part is carried to one other.
-    """
-    plan = np.zeros((query.masses.shape[1], other.masses.shape[1]), dtype=np.float32)
-    kernels.transport(
-        query.node_costs(other, index, np.array([place]))[0], query.masses[index], query.distances[index],
-        other.masses[place], other.distances[place],
-        SHARP_ALPHA, SHARP_WARM, SHARP_EPSILON, SHARP_OUTER, SHARP_ROUNDS, relaxed, plan,
-    )  # fmt: skip
-    return plan[: query.parts[index], : other.parts[place]].astype(np.float64)
 
 
 def _root_scores(query: PackedGraphs, index: int, bank: PackedGraphs, places: NDArray[np.int64]) -> NDArray[np.float64]:

@@ -12,6 +12,7 @@ from shapery_contracts.errors import InvalidInput
 from shapery_contracts.retrieval import INDEX_VERSION, VECTOR_DIMENSION
 from shapery_geometry.threads import one_blas_thread
 from shapery_retrieval.arg import Arg
+from shapery_retrieval.correspondence import SampledSurface, region_samples, surface_of
 from shapery_retrieval.matching import Match, match_packed
 from shapery_retrieval.packing import PackedLevel, pack_levels, part_distances, whole_arrays
 from shapery_retrieval.patches import Patches, nearest_patches, patches_of
@@ -29,6 +30,8 @@ Lay = Callable[[NDArray[np.int64]], tuple[PackedLevel, ...]]
 """Lays out the levels of the shapes at some places of a bank."""
 LayPatches = Callable[[NDArray[np.int64]], list[Patches]]
 """Gives the patches of the shapes at some places of a bank."""
+LaySurfaces = Callable[[NDArray[np.int64]], list[SampledSurface]]
+"""Gives the samples of the shapes at some places of a bank."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,8 +71,8 @@ class Searcher:
         Names of the shapes, in ascending order.
     vectors : (n, 256) float32
         Their vectors.
-    lay, lay_patches
-        Give the graphs of shapes, or their patches, when they are matched.
+    lay, lay_patches, lay_surfaces
+        Give the graphs of shapes, their patches, or their samples, when they are matched.
     version
         Index version of all of them.
     scales
@@ -82,6 +85,7 @@ class Searcher:
         vectors: Vectors,
         lay: Lay,
         lay_patches: LayPatches,
+        lay_surfaces: LaySurfaces,
         version: int = INDEX_VERSION,
         scales: dict[str, Array] | None = None,
     ) -> None:
@@ -89,6 +93,7 @@ class Searcher:
         self._vectors = vectors
         self._lay = lay
         self._lay_patches = lay_patches
+        self._lay_surfaces = lay_surfaces
         self._version = version
         self._scales = {} if scales is None else scales
 
@@ -97,13 +102,14 @@ class Searcher:
         """Return a searcher over graphs of one index version by the names of their shapes."""
         ids = sorted(args)
         if not ids:
-            return cls([], np.empty((0, VECTOR_DIMENSION), np.float32), lambda _: (), lambda _: [])
+            return cls([], np.empty((0, VECTOR_DIMENSION), np.float32), lambda _: (), lambda _: [], lambda _: [])
         graphs = pack([args[name] for name in ids])
         return cls(
             ids,
             graphs.vectors,
             lambda places: tuple(level.taken(places) for level in graphs.levels),
             lambda places: [patches_of(args[ids[place]]) for place in places.tolist()],
+            lambda places: [surface_of(args[ids[place]]) for place in places.tolist()],
             args[ids[0]].index_version,
         )
 
@@ -164,7 +170,8 @@ class Searcher:
             order, scores = self._reranked(scores, order)
         best = order[:limit]
         found = PackedGraphs(self._lay(best), self._vectors[best])
-        matches = match_packed(packed, 0, found, np.arange(len(best)), partial=partial, plans="best")
+        surfaces = self._lay_surfaces(best)
+        matches = match_packed(packed, 0, found, np.arange(len(best)), surface_of(query), surfaces, partial=partial)
         hits = [Hit(self.ids[i], float(scores[i]), match) for i, match in zip(best.tolist(), matches, strict=True)]
         return Answer(tuple(hits), weights, compared)
 
@@ -295,12 +302,14 @@ def parts_in(arg: Arg, shares: Sequence[Array]) -> list[NDArray[np.int64]]:
 def region_of(arg: Arg, shares: Sequence[Array]) -> Arg:
     """Return the graph of a region, whose parts on each level are those of `parts_in`, in their order.
 
+    A part's parent is −1 where the region does not hold it.
+
     Parameters
     ----------
     arg, shares
         As for `parts_in`.
     """
-    levels = list(arg.levels[:1])
+    levels, above = list(arg.levels[:1]), np.zeros(1, dtype=np.int32)
     for level, share, keep in zip(arg.levels[1:], shares[1:], parts_in(arg, shares)[1:], strict=True):
         masses = level.masses[keep] * np.maximum(share[keep], 0.5)
         levels.append(
@@ -310,9 +319,9 @@ def region_of(arg: Arg, shares: Sequence[Array]) -> Arg:
                 features=level.features[keep],
                 distances=level.distances[np.ix_(keep, keep)],
                 adjacency=level.adjacency[np.ix_(keep, keep)],
-                parents=level.parents[keep],
+                parents=above[level.parents[keep]],
             )
         )
-    inside = np.isin(arg.whole["patch_parts"], keep)
-    kept = {name: values[inside] if name.startswith("patch_") else values for name, values in arg.whole.items()}
-    return replace(arg, levels=tuple(levels), whole=kept)
+        above = np.full(level.parts, -1, dtype=np.int32)
+        above[keep] = np.arange(len(keep))
+    return replace(arg, levels=tuple(levels), whole=region_samples(arg.whole, above))
