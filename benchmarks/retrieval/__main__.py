@@ -18,15 +18,17 @@ import numpy as np
 
 from benchmarks.retrieval.correspondence import correspondence
 from benchmarks.retrieval.costs import index_profile, query_cost
-from benchmarks.retrieval.features import Features, features_of
+from benchmarks.retrieval.difficult import difficult
+from benchmarks.retrieval.features import Features, features_of, part_of
 from benchmarks.retrieval.growth import growth
 from benchmarks.retrieval.measures import class_matrix, measure, per_query, precision_recall, relevance
 from benchmarks.retrieval.parts import partial_queries
+from benchmarks.retrieval.parts_growth import kept_of_exhaustive
 from benchmarks.retrieval.peers import peer_matrices, peers_of
 from benchmarks.retrieval.plots import draw_class_matrix, draw_precision_recall
 from benchmarks.retrieval.report import report
 from benchmarks.retrieval.scores import all_methods
-from benchmarks.retrieval.variants import VARIANTS
+from benchmarks.retrieval.variants import VARIANTS, cropped
 from shapery_contracts.errors import UserError
 from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.mesh_io import read_mesh
@@ -185,6 +187,12 @@ def bank_growth() -> Found:
     return {"growth": growth([item.arg for item in watertight()], [10**k for k in range(2, 7)])}
 
 
+def parts_growth() -> Found:
+    """Search with halves of shapes among a hundred thousand."""
+    queries = [part_of(cropped(0.5)(mesh_of(n), np.random.default_rng(999 + n))) for n in NUMBERS[5::40]]
+    return {"parts_growth": kept_of_exhaustive([item.arg for item in watertight()], queries, 100_000)}
+
+
 def on_pgvector() -> Found:
     """Candidates by pgvector."""
     from benchmarks.retrieval.postgres import on_postgres
@@ -199,7 +207,9 @@ PARTS_OF_IT: dict[str, Callable[[], Found]] = {
     "parts": parts,
     "correspondence": lambda: {"correspondence": correspondence(DATA / "motion")},
     "costs": costs,
+    "difficult": lambda: {"difficult": difficult(DATA / "meshes" / "difficult", DATA / "motion")},
     "growth": bank_growth,
+    "parts-growth": parts_growth,
     "postgres": on_pgvector,
 }
 

@@ -80,16 +80,16 @@ class Grown:
     def lay_surfaces(self, places: NDArray[np.int64]) -> list[SampledSurface]:
         """Lay out the samples of the real graphs that some shapes were made from."""
         within = places % len(self._vectors)
-        return [surface_of(self._args[self._starts(k // CHUNK)[k % CHUNK]]) for k in within.tolist()]
+        return [surface_of(self._args[self.starts(k // CHUNK)[k % CHUNK]]) for k in within.tolist()]
 
-    def _starts(self, number: int) -> NDArray[np.int64]:
+    def starts(self, number: int) -> NDArray[np.int64]:
         """Return which real graph each of a thousand was made from."""
         return np.random.default_rng([13, number]).integers(len(self._args), size=CHUNK)
 
     def _chunk(self, number: int) -> tuple[list[dict[str, Any]], NDArray[np.float32]]:
         path = self._folder / f"{number}.npz"
         if not path.exists():
-            levels, vectors = self._between(self._starts(number), np.random.default_rng([11, number]))
+            levels, vectors = self._between(self.starts(number), np.random.default_rng([11, number]))
             arrays = {f"{name}{k}": getattr(level, name) for k, level in enumerate(levels) for name in NAMES}
             part = path.with_suffix(".part.npz")
             np.savez(part, vectors=vectors, **arrays)

@@ -50,6 +50,16 @@ def report(found: dict[str, Any]) -> str:
         lines += [f"| indexing: all | {sum(stages.values()):.3f} |"]
         lines += [f"| bank of 400: {name} | {seconds:.4f} |" for name, seconds in found["query_cpu_seconds"].items()]
         lines += ["", f"A graph takes {found['arg_kilobytes']:.1f} kB.", ""] if "arg_kilobytes" in found else [""]
+    if "difficult" in found:
+        lines += [
+            "## Difficult meshes, and scans of 100,000 faces", "",
+            "Time and peak memory of a process of its own that has loaded the libraries and kernels.", "",
+            "| mesh | faces | s | CPU s | MiB | outcome |", "|---|---|---|---|---|---|",
+        ]  # fmt: skip
+        for name, row in found["difficult"].items():
+            spent = f"{row['seconds']:.2f} | {row['cpu_seconds']:.2f} | {row['peak_mib']:.0f}"
+            lines.append(f"| {name} | {row['faces']:,} | {spent} | {row['outcome']} |")
+        lines.append("")
     if "growth" in found:
         lines += [
             "## Growth", "",
@@ -58,6 +68,14 @@ def report(found: dict[str, Any]) -> str:
             "| shapes | vector | candidates | match | query | matched | kept of exhaustive | vectors, MiB |",
             "|---" * 8 + "|", *(row_of(row) for row in found["growth"]), "",
         ]  # fmt: skip
+    if "parts_growth" in found:
+        row = found["parts_growth"]
+        told = (
+            f"Of the twenty best that halves of shapes find among {row['size']:,}, {row['kept']:.1%} are found where "
+            f"the {row['candidates']:,} nearest by vector alone are looked at, and in {row['first']:.0%} the first is "
+            f"the same. The exhaustive twenty best have a median rank by vector of {row['rank']:,.0f}."
+        )
+        lines += ["## Parts in a large bank", "", told, ""]
     if "postgres" in found:
         row = found["postgres"]
         told = (
