@@ -23,8 +23,9 @@ from numpy.typing import NDArray
 
 from shapery_retrieval import _matching_kernels as kernels
 from shapery_retrieval.arg import Arg
-from shapery_retrieval.patches import patches_of
+from shapery_retrieval.patches import BLOCKS
 from shapery_retrieval.sides import SIDES
+from shapery_retrieval.vocabulary import vocabulary
 
 KNOWN = (*range(7), *range(14, 29))
 """Features of patches by which samples are laid on each other: the means, and how the surface lies around."""
@@ -41,7 +42,6 @@ copy comes to about 0.02."""
 FINE_EPSILON = np.float32(0.01)
 """Entropy of the plan of all samples, which is found from their distances to the coarse ones."""
 
-Array = NDArray[np.float64]
 Array32 = NDArray[np.float32]
 
 
@@ -53,21 +53,26 @@ class SampledSurface:
     ----------
     masses : (s,) float32
         Share of the surface of each.
-    features : (s, 22) float32
-        Standardised and weighted, so that squared distance is the cost of laying two on each other.
-    sides : (s, 10) float32
-        Weighted likewise.
+    features : (s, 32) float32
+        Standardised and weighted, so that squared distance is the cost of laying two on each other. The last ten are
+        the sides.
+    squares : (s,) float32
+        Their squared lengths.
     distances : (s, c) float32
         Geodesic distance from each to the first ones, over the mean.
+    gathered : (c,) float32
+        Share of the surface that is nearest to each of the first ones.
     parts
-        For each level below the root the (s,) part of each; −1 where a region does not hold it.
+        For each level below the root a (k, s) float32 matrix: 1 where a part holds a sample. A region may hold a sample
+        on one level alone.
     """
 
     masses: Array32
     features: Array32
-    sides: Array32
+    squares: Array32
     distances: Array32
-    parts: tuple[NDArray[np.int64], ...]
+    gathered: Array32
+    parts: tuple[Array32, ...]
 
 
 def surface_of(arg: Arg) -> SampledSurface:
@@ -77,15 +82,32 @@ def surface_of(arg: Arg) -> SampledSurface:
     # near a border patches count less, but all of a part is its samples together
     counted = arg.whole["patch_masses"].astype(np.float64)
     masses = counted / np.bincount(finest, counted)[finest] * arg.levels[-1].masses[finest]
-    features = patches_of(arg).features[:, KNOWN] * np.float32(np.sqrt(KNOWN_WEIGHT))
-    by_side = arg.whole["patch_sides"].astype(np.float32) * np.sqrt(SIDE_WEIGHT / len(SIDES) / 2)
-    unit = np.float32(arg.whole["patch_reach"][0] / 255)
+    masses /= masses.sum()
+    features = np.empty((s, len(KNOWN) + len(SIDES)), np.float32)
+    features[:, : len(KNOWN)] = arg.whole["patch_features"][:, KNOWN]
+    features[:, len(KNOWN) :] = arg.whole["patch_sides"]
+    mean, factor = _standards()
+    features -= mean
+    features *= factor
     bare = np.append(arg.whole["patch_distances"], np.uint8(0))
-    distances = bare[_places(s)[:, : min(COARSE, s)]] * unit
-    parts = [finest]
-    for level in arg.levels[:1:-1]:
-        parts.insert(0, np.where(parts[0] < 0, -1, level.parents[parts[0]]).astype(np.int64))
-    return SampledSurface((masses / masses.sum()).astype(np.float32), features, by_side, distances, tuple(parts))
+    distances = bare[_places(s)[:, :COARSE]] * np.float32(arg.whole["patch_reach"][0] / 255)
+    gathered = np.bincount(np.argmin(distances, axis=1), masses, distances.shape[1])
+    numbers = finest
+    parts: list[Array32] = []
+    for level in arg.levels[:0:-1]:
+        held = np.zeros((level.parts + 1, s), np.float32)
+        held[numbers, np.arange(s)] = 1.0
+        parts.insert(0, held[:-1])
+        # −1, of no part, stays −1: it is the row that is cut off
+        numbers = np.append(level.parents, -1)[numbers]
+    return SampledSurface(
+        masses.astype(np.float32),
+        features,
+        np.einsum("sf,sf->s", features, features),
+        distances,
+        gathered.astype(np.float32),
+        tuple(parts),
+    )
 
 
 def region_samples(whole: Mapping[str, NDArray[Any]], numbers: NDArray[np.int32]) -> dict[str, NDArray[Any]]:
@@ -109,7 +131,7 @@ def region_samples(whole: Mapping[str, NDArray[Any]], numbers: NDArray[np.int32]
     }
 
 
-def lay(query: SampledSurface, other: SampledSurface, *, relaxed: bool = False) -> Array:
+def lay(query: SampledSurface, other: SampledSurface, *, relaxed: bool = False) -> Array32:
     """(s, t) plan that lays the samples of one surface on those of another; in sum 1.
 
     Parameters
@@ -122,17 +144,24 @@ def lay(query: SampledSurface, other: SampledSurface, *, relaxed: bool = False) 
     Notes
     -----
     A few samples are laid by fused Gromov–Wasserstein transport, the others by their distances to these. Left is laid
-    on left, unless right on left costs far less: a body with two like sides may lean to either, a mirrored one is its
-    original.
+    on left, unless single samples look more alike mirrored, and all of them together cost far less: a body with two
+    like sides may lean to either, a mirrored one is its original.
     """
-    few, there_few = query.distances.shape[1], other.distances.shape[1]
-    nodes = _squared(query, other)
-    # |a + b|² is |a − b|² and four times a·b
-    turn = 4 * query.sides @ other.sides.T
-    cost, plan = _coarse(query, other, nodes, relaxed)
-    turned_cost, turned = _coarse(query, other, nodes[:few, :there_few] + turn[:few, :there_few], relaxed)
-    if turned_cost < MIRRORED * cost:
-        nodes, plan = nodes + turn, turned
+    nodes = query.features @ other.features.T
+    nodes *= -2
+    nodes += query.squares[:, None]
+    nodes += other.squares
+    few, there_few = len(query.gathered), len(other.gathered)
+    alike = nodes[:few, :there_few].copy()
+    turned = alike + _turn(query, other, few, there_few)
+    cost, plan = _coarse(query, other, alike, relaxed)
+    gain = query.gathered @ (alike.min(axis=1) - turned.min(axis=1))
+    gain += other.gathered @ (alike.min(axis=0) - turned.min(axis=0))
+    if gain > 0:
+        turned_cost, turned_plan = _coarse(query, other, turned, relaxed)
+        if turned_cost < MIRRORED * cost:
+            nodes += _turn(query, other, len(query.masses), len(other.masses))
+            plan = turned_plan
     here, there = query.distances, other.distances
     laid = (here @ plan) @ there.T
     laid *= -2
@@ -141,43 +170,37 @@ def lay(query: SampledSurface, other: SampledSurface, *, relaxed: bool = False) 
     laid *= ALPHA
     nodes *= 1 - ALPHA
     laid += nodes
-    result = np.empty_like(laid)
+    result = np.empty(laid.shape, dtype=np.float32)
     kernels.settle(laid, query.masses, other.masses, FINE_EPSILON, ROUNDS, relaxed, result)
-    return np.asarray(result, dtype=np.float64)
+    return result
 
 
-def between_parts(plan: Array, query: NDArray[np.int64], other: NDArray[np.int64], k: int, l: int) -> Array:  # noqa: E741
-    """(k, l) sum of a plan of samples over the parts that they lie in, as far as they lie in any."""
-    rows, columns = np.zeros((k + 1, plan.shape[0])), np.zeros((l + 1, plan.shape[1]))
-    rows[query, np.arange(len(query))] = 1.0
-    columns[other, np.arange(len(other))] = 1.0
-    return np.asarray(rows[:k] @ plan @ columns[:l].T)
+def _turn(query: SampledSurface, other: SampledSurface, k: int, l: int) -> Array32:  # noqa: E741
+    """(k, l) what it costs more if sides are of opposite sign: |a + b|² is |a − b|² and four times a·b."""
+    return np.asarray(4 * query.features[:k, len(KNOWN) :] @ other.features[:l, len(KNOWN) :].T)
 
 
 def _coarse(query: SampledSurface, other: SampledSurface, nodes: Array32, relaxed: bool) -> tuple[float, Array32]:
-    k, l = query.distances.shape[1], other.distances.shape[1]  # noqa: E741
+    k, l = len(query.gathered), len(other.gathered)  # noqa: E741
     plan = np.empty((k, l), dtype=np.float32)
     cost = kernels.transport(
-        np.ascontiguousarray(nodes[:k, :l]), _gathered(query), query.distances[:k], _gathered(other),
-        other.distances[:l], ALPHA, WARM, EPSILON, OUTER, ROUNDS, relaxed, plan,
+        nodes, query.gathered, query.distances[:k], other.gathered, other.distances[:l],
+        ALPHA, WARM, EPSILON, OUTER, ROUNDS, relaxed, plan,
     )  # fmt: skip
     return float(cost), plan
 
 
-def _gathered(surface: SampledSurface) -> Array32:
-    """(c,) share of the surface that is nearest to each of the first samples."""
-    nearest = np.argmin(surface.distances, axis=1)
-    return np.asarray(np.bincount(nearest, surface.masses, surface.distances.shape[1]), dtype=np.float32)
-
-
-def _squared(query: SampledSurface, other: SampledSurface) -> Array32:
-    """(s, t) squared distances by features and sides."""
-    own, others = (np.concatenate((each.features, each.sides), axis=1) for each in (query, other))
-    squares = own @ others.T
-    squares *= -2
-    squares += (own**2).sum(axis=1)[:, None]
-    squares += (others**2).sum(axis=1)
-    return np.asarray(np.maximum(squares, np.float32(0), out=squares))
+@lru_cache(maxsize=1)
+def _standards() -> tuple[Array32, Array32]:
+    """(32,) mean and (32,) factor of each feature of a sample."""
+    words = vocabulary()
+    scale = np.empty(len(words.patch_mean))
+    for weight, columns in BLOCKS:
+        scale[list(columns)] = np.sqrt(KNOWN_WEIGHT * weight / len(columns))
+    known, side = list(KNOWN), np.full(len(SIDES), np.sqrt(SIDE_WEIGHT / len(SIDES) / 2))
+    mean = np.concatenate((words.patch_mean[known], np.zeros(len(SIDES))))
+    factor = np.concatenate(((scale / words.patch_spread)[known], side))
+    return mean.astype(np.float32), factor.astype(np.float32)
 
 
 @lru_cache(maxsize=64)

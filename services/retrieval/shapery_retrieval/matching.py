@@ -21,7 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapery_retrieval.arg import Arg
-from shapery_retrieval.correspondence import SampledSurface, between_parts, lay, surface_of
+from shapery_retrieval.correspondence import SampledSurface, lay, surface_of
+from shapery_retrieval.packing import level_distances
 from shapery_retrieval.vector import PackedGraphs, cue_distances, pack
 from shapery_retrieval.vocabulary import vocabulary
 
@@ -103,27 +104,33 @@ def match_packed(
     surfaces: Sequence[SampledSurface],
     *,
     partial: bool = False,
+    apart: NDArray[np.float64] | None = None,
 ) -> list[Match]:
-    """Match a graph with others that are laid out already, as are their samples; see `match`."""
-    scores = []
-    for own, others in zip(query.levels, bank.levels, strict=True):
-        if partial:
+    """Match a graph with others that are laid out already, as are their samples; see `match`.
+
+    With `apart` the (c, m) divergences on each level are known, but for rows of NaN.
+    """
+    if partial:
+        costs = []
+        for own, others in zip(query.levels, bank.levels, strict=True):
             itself = own.costs(own, index, np.array([index]), relaxed=True)[0]
-            apart = np.maximum(own.costs(others, index, places, relaxed=True) - itself, 0.0)
-        else:
-            apart = own.divergences(others, index, places)
-        scores.append(np.exp(-apart.astype(np.float64) / UNLIKE))
-    below = np.stack(scores, axis=1)
+            costs.append(np.maximum(own.costs(others, index, places, relaxed=True) - itself, 0.0))
+        apart = np.stack(costs, axis=1).astype(np.float64)
+    elif apart is None:
+        apart = level_distances(query.levels, index, bank.levels, places)
+    elif (unknown := np.flatnonzero(np.isnan(apart[:, 0]))).size:
+        apart = apart.copy()
+        apart[unknown] = level_distances(query.levels, index, bank.levels, places[unknown])
+    below = np.exp(-apart / UNLIKE)
     roots = None if partial else _root_scores(query, index, bank, places)
     matches = []
-    for row, (place, surface) in enumerate(zip(places.tolist(), surfaces, strict=True)):
+    for row, surface in enumerate(surfaces):
         plan = lay(own_surface, surface, relaxed=partial)
         best = int(np.argmax(below[row])) + 1
         levels = [] if roots is None else [LevelMatch(0, float(roots[row]), np.ones((1, 1)))]
-        for number, (own, others) in enumerate(zip(query.levels, bank.levels, strict=True), start=1):
-            sizes = int(own.parts[index]), int(others.parts[place])
-            carried = between_parts(plan, own_surface.parts[number - 1], surface.parts[number - 1], *sizes)
-            levels.append(LevelMatch(number, float(below[row, number - 1]), carried))
+        for number, (here, there) in enumerate(zip(own_surface.parts, surface.parts, strict=True), start=1):
+            carried = here @ plan @ there.T
+            levels.append(LevelMatch(number, float(below[row, number - 1]), carried.astype(np.float64)))
         score = float(below[row, best - 1]) if partial else sum(level.score for level in levels) / len(levels)
         matches.append(Match(score, tuple(levels), best))
     return matches

@@ -172,14 +172,20 @@ def joined(graphs: Sequence[tuple[PackedLevel, ...]]) -> tuple[PackedLevel, ...]
     return tuple(result)
 
 
+def level_distances(
+    query: Sequence[PackedLevel], index: int, bank: Sequence[PackedLevel], chosen: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """(c, m) divergences from the chosen graphs on each of the m levels below the root."""
+    return np.stack(
+        [own.divergences(others, index, chosen) for own, others in zip(query, bank, strict=True)], axis=1
+    ).astype(np.float64)
+
+
 def part_distances(
     query: Sequence[PackedLevel], index: int, bank: Sequence[PackedLevel], chosen: NDArray[np.int64]
 ) -> NDArray[np.float64]:
     """(c,) divergences from the chosen graphs, summed over the levels below the root."""
-    total = np.zeros(len(chosen))
-    for own, others in zip(query, bank, strict=True):
-        total += own.divergences(others, index, chosen)
-    return total
+    return np.asarray(level_distances(query, index, bank, chosen).sum(axis=1))
 
 
 def whole_arrays(args: Sequence[Arg]) -> dict[str, Array32]:

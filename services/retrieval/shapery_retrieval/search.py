@@ -14,7 +14,7 @@ from shapery_geometry.threads import one_blas_thread
 from shapery_retrieval.arg import Arg
 from shapery_retrieval.correspondence import SampledSurface, region_samples, surface_of
 from shapery_retrieval.matching import Match, match_packed
-from shapery_retrieval.packing import PackedLevel, pack_levels, part_distances, whole_arrays
+from shapery_retrieval.packing import PackedLevel, level_distances, pack_levels, part_distances, whole_arrays
 from shapery_retrieval.patches import Patches, nearest_patches, patches_of
 from shapery_retrieval.ranking import GROUPS, affinity, diffuse, gate, local_scale, local_scales, voted
 from shapery_retrieval.vector import SEGMENTS, PackedGraphs, Vectors, cue_distances, neighbour_scales, pack, vectors_of
@@ -159,28 +159,32 @@ class Searcher:
         known = vectors_of(levels, whole_arrays([query])) if vector is None else vector.astype(np.float32)[None]
         packed = PackedGraphs(levels, known)
         weights: Mapping[str, float] = {"parts": 1.0}
+        apart = np.full((len(self.ids), len(levels)), np.nan)
         if partial:
             scores = self._partial_scores(hypotheses or [patches_of(query)], allowed)
             compared = int(allowed.sum())
         else:
             wanted = max(limit, RERANKED) if rerank else limit
-            scores, weights, compared = self._scores(packed, allowed, wanted, exhaustive=exhaustive)
+            scores, weights, compared = self._scores(packed, allowed, wanted, apart, exhaustive=exhaustive)
         order = np.flatnonzero(allowed)[np.argsort(-scores[allowed], kind="stable")]
         if rerank and not partial:
             order, scores = self._reranked(scores, order)
         best = order[:limit]
         found = PackedGraphs(self._lay(best), self._vectors[best])
-        surfaces = self._lay_surfaces(best)
-        matches = match_packed(packed, 0, found, np.arange(len(best)), surface_of(query), surfaces, partial=partial)
+        own, surfaces = surface_of(query), self._lay_surfaces(best)
+        matches = match_packed(
+            packed, 0, found, np.arange(len(best)), own, surfaces, partial=partial, apart=apart[best]
+        )
         hits = [Hit(self.ids[i], float(scores[i]), match) for i, match in zip(best.tolist(), matches, strict=True)]
         return Answer(tuple(hits), weights, compared)
 
     def _scores(
-        self, query: PackedGraphs, allowed: NDArray[np.bool_], wanted: int, *, exhaustive: bool = False
+        self, query: PackedGraphs, allowed: NDArray[np.bool_], wanted: int, apart: Array, *, exhaustive: bool = False
     ) -> tuple[Array, dict[str, float], int]:
         """Scores of all, the groups' weights, and how many shapes were matched part by part.
 
-        What is not matched keeps the score that its vector promises.
+        What is not matched keeps the score that its vector promises. The divergences of those that are, level by level,
+        are written into `apart`.
         """
         if not self._scales:
             self._scales |= {cue: neighbour_scales(self._vectors, cue) for cue in SEGMENTS}
@@ -196,7 +200,8 @@ class Searcher:
         while done < min(most, len(promising)):
             block = promising[done : done + size]
             done += len(block)
-            divergences[block] = part_distances(query.levels, 0, self._lay(block), np.arange(len(block)))
+            apart[block] = level_distances(query.levels, 0, self._lay(block), np.arange(len(block)))
+            divergences[block] = apart[block].sum(axis=1)
             # what vectors promise of the others is put on the level of what was found
             known, others = promising[:done], promising[done:]
             level = np.median(divergences[known] / np.maximum(distances["parts"][known], 1e-3))
@@ -239,7 +244,7 @@ class Searcher:
             one = PackedGraphs(
                 tuple(level.taken(np.array([row])) for level in graphs.levels), graphs.vectors[row : row + 1]
             )
-            square[row + 1, 1:] = self._scores(one, allowed, m)[0][pool]
+            square[row + 1, 1:] = self._scores(one, allowed, m, np.empty((len(self.ids), len(graphs.levels))))[0][pool]
             square[row + 1, row + 1] = 1.0
         flowed = diffuse(square)[0, 1:]
         result = scores * 1e-3
