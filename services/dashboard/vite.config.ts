@@ -41,6 +41,8 @@ export default defineConfig({
     assetsInlineLimit: 0,
     chunkSizeWarningLimit: 2500,
   },
+  // Workers fetch their parts when they need them, as pages do.
+  worker: { format: "es" },
   server: {
     // `npm run dev` beside a running platform: SHAPERY_SERVER names its address.
     proxy: Object.fromEntries(

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { problemFrom } from "@/api/problem";
 import { changedParams } from "@/features/jobs/changedParams";
-import { drawableName } from "@/features/segmentation/drawable";
+import { drawableName } from "@/features/preview/drawable";
 import { DEFAULTS, parseBox, parseSeeds, readChoices } from "@/features/segmentation/params";
 import { guessRoles, pairUp } from "@/features/segmentation/roles";
 import { LABELS, rgb } from "@/viewers/labels";
@@ -96,7 +96,7 @@ describe("readChoices", () => {
 
 describe("what is drawn", () => {
   it("goes by the format found, not by the file's name", () => {
-    const drawable = (format: string) => drawableName({ format, filename: "x.txt", media_type: "" });
+    const drawable = (format: string) => drawableName({ format });
     expect(drawable("nifti1")).toBe("volume.nii.gz");
     expect(drawable("metaimage")).toBe("volume.mha");
     expect(drawable("dicom-zip")).toBeNull();

@@ -101,6 +101,21 @@ def test_frames_are_where_they_should_be(open_page: OpenPage, encoded: dict[str,
         slider.press("ArrowRight")
     page.get_by_text(f"5 / {FRAMES}").wait_for()
     until(lambda: float(np.nonzero(lit(picture(drawing)))[1].mean()) > columns.mean() + 0.15 * width)
+    # it goes on for three times its own width, and stays in the picture
+    slider.press("End")
+    page.get_by_text(f"{FRAMES} / {FRAMES}").wait_for()
+    until(lambda: float(np.nonzero(lit(picture(drawing)))[1].mean()) > columns.mean() + 1.5 * width)
+    last = lit(picture(drawing))
+    assert not last[:, [6, -7]].any()
+    assert last.sum() > 0.5 * first.sum()
+    page.get_by_role("button", name="Save this frame as a mesh").click()
+    with page.expect_download() as coming:
+        page.get_by_role("menuitem", name="OBJ").click()
+    lines = Path(coming.value.path()).read_text().splitlines()
+    points = np.array([line.split()[1:] for line in lines if line.startswith("v ")], dtype=float)
+    frames, faces = wandering_ball()
+    assert np.abs(points - frames[-1]).max() < 0.1
+    assert sum(line.startswith("f ") for line in lines) == len(faces)
 
 
 def test_the_original_stands_beside_and_over_it(open_page: OpenPage, encoded: dict[str, Any]) -> None:

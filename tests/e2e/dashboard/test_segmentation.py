@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 from scipy.spatial import cKDTree
 
+from shapery_geometry.mesh_io import read_mesh
 from shapery_geometry.volume import Volume
 from shapery_geometry.volume_io import read_volume
 from shapery_segmentation.evolution import read_evolution
@@ -230,7 +231,7 @@ def vertices_of(ply: bytes) -> NDArray[np.float64]:
 
 
 def test_shows_what_was_measured_and_gives_the_files(
-    open_page: OpenPage, segmented: dict[str, Any], api: httpx.Client
+    open_page: OpenPage, segmented: dict[str, Any], api: httpx.Client, tmp_path: Path
 ) -> None:
     page = open_page(f"/jobs/{segmented['id']}")
     objects = segmented["result"]["objects"]
@@ -245,6 +246,14 @@ def test_shows_what_was_measured_and_gives_the_files(
         page.get_by_role("link", name="report.json").click()
     report = json.loads(Path(coming.value.path()).read_text())
     assert report["objects"] == objects
+    page.get_by_role("button", name="Save surfaces-1 as STL or OBJ").click()
+    with page.expect_download() as coming:
+        page.get_by_role("menuitem", name="STL").click()
+    assert coming.value.suggested_filename == "surfaces-1.stl"
+    printed = read_mesh(Path(coming.value.path()))
+    (tmp_path / "1.ply").write_bytes(api.get(f"/v1/jobs/{segmented['id']}/artifacts/surfaces/1.ply").content)
+    ours = read_mesh(tmp_path / "1.ply")
+    np.testing.assert_allclose(printed.vertices[printed.faces], ours.vertices[ours.faces], atol=1e-4)
     page.get_by_role("link", name="Segment again").click()
     page.wait_for_url("**/upload?*")
     wait_for_value(page, "After contrast", "post.nii.gz")

@@ -93,6 +93,11 @@ def test_says_that_results_have_expired(
         time.sleep(0.2)
     page.reload()
     page.get_by_role("heading", name="The results have expired").wait_for()
+    page.get_by_role("button", name="Run it again").click()
+    page.wait_for_url(lambda url: "/jobs/" in url and job not in url)
+    page.locator("[data-state=succeeded]").wait_for()
+    again = api.get(f"/v1/jobs/{page.url.rsplit('/', 1)[1]}").json()
+    assert again["params"] == api.get(f"/v1/jobs/{job}").json()["params"]
 
 
 def expire(platform: Embedded, job: str) -> None:

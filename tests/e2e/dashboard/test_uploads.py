@@ -4,16 +4,22 @@ from __future__ import annotations
 
 import hashlib
 import time
+import zipfile
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import httpx
 import numpy as np
 import pytest
 
+from shapery_geometry.mesh import icosphere
+from shapery_geometry.mesh_io import write_mesh
+from shapery_geometry.sequence import write_sequence_npz
 from shapery_geometry.volume import Volume
 from shapery_geometry.volume_io.nifti import write_nifti
 from tests.e2e.dashboard.conftest import OpenPage
+from tests.support.browser import picture
 from tests.support.embedded import Embedded
 from tests.support.proxy import Network, unreliable
 from tests.support.volumes import write_series
@@ -157,3 +163,84 @@ def test_a_folder_of_slices_becomes_one_series(open_page: OpenPage, tmp_path: Pa
     asset = next(asset for asset in api.get("/v1/assets").json()["items"] if asset["filename"] == "t1c.zip")
     assert asset["format"] == "dicom-zip"
     assert asset["kind"] == "volume"
+
+
+def drag(page: Any, target: Any, paths: list[Path]) -> None:
+    """Drag files and folders onto an element, as one does from a file manager."""
+    place = target.bounding_box()
+    at = {"x": place["x"] + place["width"] / 2, "y": place["y"] + 20}
+    data = {"items": [], "files": [str(path) for path in paths], "dragOperationsMask": 1}
+    session = page.context.new_cdp_session(page)
+    for kind in ("dragEnter", "dragOver", "drop"):
+        session.send("Input.dispatchDragEvent", {"type": kind, "data": data, **at})
+    session.detach()
+
+
+def test_folders_are_dragged_into_the_page(open_page: OpenPage, tmp_path: Path, api: httpx.Client) -> None:
+    """A study: two series in folders of their own, one with more files than a browser hands out at once, and a mesh."""
+    study = tmp_path / "study"
+    many = np.arange(6 * 5 * 120, dtype=np.int16).reshape(6, 5, 120)
+    few = np.arange(6 * 5 * 4, dtype=np.int16).reshape(6, 5, 4)
+    write_series(study / "head" / "dragged t1", Volume(many, np.eye(4)))
+    write_series(study / "head" / "dragged t2", Volume(few, np.eye(4)))
+    write_mesh(icosphere(subdivisions=2), study / "ball.off")
+    (study / "head" / "notes.txt").write_text("none of ours")
+    page = open_page("/upload")
+    drag(page, page.get_by_role("region", name="Add files"), [study])
+    expected = {"dragged t1.zip": "DICOM series · 120 files", "dragged t2.zip": "4 files", "ball.off": "Mesh · OFF"}
+    for name, found in expected.items():
+        page.locator("li[data-state=done]", has_text=name).get_by_text(found).wait_for()
+    page.get_by_text("One file was left out").wait_for()
+    asset = next(asset for asset in api.get("/v1/assets").json()["items"] if asset["filename"] == "dragged t1.zip")
+    assert asset["details"]["files"] == 120
+
+
+def test_files_are_seen_at_once(open_page: OpenPage, tmp_path: Path) -> None:
+    """Small pictures of a mesh, a motion and a DICOM series, and what they are when one looks: no job has run."""
+    ball = icosphere()
+    write_mesh(ball, tmp_path / "ball.stl")
+    frames = (ball.vertices + np.array([[[3.0 * t, 0, 0]] for t in range(4)])).astype(np.float32)
+    write_sequence_npz(tmp_path / "rolls.npz", frames, ball.faces, shape=frames.shape[:2])
+    data = np.zeros((24, 30, 12), np.int16)  # R, A, S
+    data[14:20, 4:10] = 900  # a bright block behind, on the patient's right
+    write_series(tmp_path / "slices", Volume(data, np.diag([1.0, 1.0, 2.0, 1.0])))
+    with zipfile.ZipFile(tmp_path / "slices.zip", "w", zipfile.ZIP_DEFLATED) as archive:
+        for path in (tmp_path / "slices").iterdir():
+            archive.write(path, path.name)
+    page = open_page("/upload")
+    page.get_by_test_id("files").set_input_files([tmp_path / name for name in ("ball.stl", "rolls.npz", "slices.zip")])
+    small = {}
+    for name in ("ball.stl", "rolls.npz", "slices.zip"):
+        canvas = page.get_by_role("img", name=f"Preview of {name}")
+        canvas.wait_for()
+        pixels = canvas.evaluate("c => [...c.getContext('2d').getImageData(0, 0, c.width, c.height).data]")
+        width = canvas.evaluate("c => c.width")
+        small[name] = np.array(pixels).reshape(-1, width, 4)[..., :3].max(axis=2)
+    for name in ("ball.stl", "rolls.npz"):
+        assert 0.5 < (small[name] > 40).mean() < 0.75, name  # a disc that fills the square: pi / 4 of 0.92 squared
+    rows, columns = np.nonzero(small["slices.zip"] > 128)
+    height, width = small["slices.zip"].shape
+    np.testing.assert_allclose([rows.min() / height, rows.max() / height], [20 / 30, 26 / 30], atol=0.06)
+    np.testing.assert_allclose([columns.min() / width, columns.max() / width], [4 / 24, 10 / 24], atol=0.08)
+
+    def look(name: str) -> Any:
+        page.locator("li[data-state=done]", has_text=name).get_by_role("button", name=f"Look at {name}").click()
+        return page.get_by_role("dialog").locator("section[data-status=ready]")
+
+    look("slices.zip").get_by_test_id("place").wait_for()
+    page.keyboard.press("Escape")
+    viewer = look("rolls.npz")
+    viewer.get_by_test_id("frame").get_by_text("1 / 4").wait_for()
+
+    def middle() -> float:
+        lit = picture(viewer.get_by_test_id("mesh"))[20:-70].max(axis=2) > 40
+        assert lit.any()
+        assert not lit[:, [0, -1]].any()  # it stays in the picture
+        return float(np.nonzero(lit)[1].mean())
+
+    page.wait_for_timeout(500)
+    before = middle()
+    viewer.get_by_role("slider", name="Frame").press("End")
+    viewer.get_by_test_id("frame").get_by_text("4 / 4").wait_for()
+    page.wait_for_timeout(500)
+    assert middle() > before + 100

@@ -85,6 +85,8 @@ const batchRoute = createRoute({
 const motionRoute = createRoute({
   getParentRoute: () => root,
   path: "/motion",
+  validateSearch: (search: Record<string, unknown>): { sequence?: string } =>
+    typeof search.sequence === "string" ? { sequence: search.sequence } : {},
   component: lazyRouteComponent(() => import("@/features/motion/MotionPage"), "MotionPage"),
 });
 

@@ -30,8 +30,8 @@ export async function inflate(content: ArrayBuffer): Promise<ArrayBuffer> {
   return new Response(stream).arrayBuffer();
 }
 
-/** Read a NIfTI-1 volume; throws a sentence where it is none, or has more than three dimensions. */
-export function readNifti(content: ArrayBuffer): LabelVolume {
+/** Read a NIfTI-1 volume, of several the first where `several` are allowed; throws a sentence where it cannot be read. */
+export function readNifti(content: ArrayBuffer, several = false): LabelVolume {
   if (content.byteLength < 352) throw new Error("The file is no NIfTI volume: it is too short.");
   const view = new DataView(content);
   const little = view.getInt32(0, true) === 348;
@@ -39,11 +39,11 @@ export function readNifti(content: ArrayBuffer): LabelVolume {
   const short = (at: number) => view.getInt16(at, little);
   const float = (at: number) => view.getFloat32(at, little);
   const size = (axis: number) => (axis <= short(40) ? short(40 + 2 * axis) : 1);
-  if (size(4) > 1 || size(5) > 1) throw new Error("The file holds several volumes; a mask is one.");
+  if (!several && (size(4) > 1 || size(5) > 1)) throw new Error("The file holds several volumes; a mask is one.");
   const shape: [number, number, number] = [size(1), size(2), size(3)];
   const voxels = shape[0] * shape[1] * shape[2];
   const type = TYPES[short(70)];
-  if (!type) throw new Error(`The mask's voxels are of a type that cannot be compared (NIfTI type ${short(70)}).`);
+  if (!type) throw new Error(`The voxels are of a type that is not read here (NIfTI type ${short(70)}).`);
   const offset = Math.round(float(108));
   if (shape.some((extent) => extent < 1) || voxels > MAX_VOXELS || offset + voxels * type.bytes > content.byteLength) {
     throw new Error("The file ends before its voxels do.");

@@ -2,6 +2,8 @@ import { Paper, Text, Title } from "@mantine/core";
 import { Download } from "lucide-react";
 import type { Artifact } from "@/api/types";
 import { bytes } from "@/format/format";
+import { readMeshAt } from "@/viewers/readMeshAt";
+import { SaveMesh } from "@/viewers/SaveMesh";
 import classes from "./jobs.module.css";
 import { SaveLink } from "./SaveLink";
 
@@ -37,6 +39,14 @@ export function Downloads({ artifacts }: { artifacts: readonly Artifact[] }) {
             <Text size="sm" c="dimmed">
               {tells(artifact.name)}
             </Text>
+            {/^surface.*\.ply$/.test(artifact.name) ? (
+              <SaveMesh
+                name={artifact.name.replaceAll("/", "-").replace(/\.ply$/, "")}
+                mesh={() => readMeshAt(artifact.url)}
+              />
+            ) : (
+              <span />
+            )}
             <Text size="sm" c="dimmed">
               {bytes(artifact.size)}
             </Text>

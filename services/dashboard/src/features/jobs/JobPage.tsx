@@ -1,7 +1,7 @@
 import { Group, Paper, Progress, Stack, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi } from "@tanstack/react-router";
-import { CircleAlert, Clock, FileCheck, TimerOff } from "lucide-react";
+import { CircleAlert, Clock, FileCheck } from "lucide-react";
 import { lazy, Suspense } from "react";
 import { jobQuery, kindsQuery, useAssetNames } from "@/api/queries";
 import { type Asset, isTerminal, type Job } from "@/api/types";
@@ -19,6 +19,7 @@ import { AsCode } from "@/features/snippets/AsCode";
 import { resultSnippets } from "@/features/snippets/snippets";
 import { ago, duration, moment, percent, relative } from "@/format/format";
 import { Downloads } from "./Downloads";
+import { Expired } from "./Expired";
 import { JobActions } from "./JobActions";
 import { JobFacts } from "./JobFacts";
 import classes from "./jobs.module.css";
@@ -153,25 +154,7 @@ function Body({ job, assets }: { job: Job; assets: ReadonlyMap<string, Asset> })
     if (job.expired) {
       return (
         <Aside job={job} assets={assets}>
-          <Paper>
-            <Empty icon={<TimerOff size={32} />} title="The results have expired">
-              <Text size="sm" c="dimmed">
-                They were kept until {job.expires_at ? moment(job.expires_at) : "their time was over"}.
-                {job.kind === "segmentation" && " Segment the volume again to have them back."}
-                {job.kind === "motion-encode" && " Compress the sequence again to have them back."}
-              </Text>
-              {job.kind === "segmentation" && (
-                <LinkButton to="/upload" search={again(job)} mt="sm">
-                  Segment again
-                </LinkButton>
-              )}
-              {job.kind === "motion-encode" && (
-                <LinkButton to="/motion" mt="sm">
-                  Compress again
-                </LinkButton>
-              )}
-            </Empty>
-          </Paper>
+          <Expired job={job} />
         </Aside>
       );
     }

@@ -1,6 +1,6 @@
 import { Alert, Button, Paper, SegmentedControl, Select, Stack, Text, Title } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
-import { useNavigate } from "@tanstack/react-router";
+import { getRouteApi, useNavigate } from "@tanstack/react-router";
 import { Film, Upload } from "lucide-react";
 import { type SubmitEvent, useState } from "react";
 import { Attempts } from "@/api/idempotency";
@@ -21,6 +21,8 @@ const QUALITIES = [
   { value: "0.5", label: "Small: up to 0.5 %" },
   { value: "1", label: "Smallest: up to 1 %" },
 ];
+
+const route = getRouteApi("/motion");
 
 /** Compresses a mesh sequence. */
 export function MotionPage() {
@@ -51,11 +53,14 @@ export function MotionPage() {
 }
 
 function EncodeForm({ sequences }: { sequences: readonly Asset[] }) {
+  const { sequence: wanted } = route.useSearch();
   const navigate = useNavigate();
   const kinds = useQuery(kindsQuery);
   const create = useCreateJob();
   const [attempts] = useState(() => new Attempts());
-  const [id, setId] = useState<string | null>(sequences[0]?.id ?? null);
+  const [id, setId] = useState<string | null>(
+    sequences.find((sequence) => sequence.id === wanted)?.id ?? sequences[0]?.id ?? null,
+  );
   const [kg, setKg] = useState("0.1");
   const [preset, setPreset] = useState("default");
   const kind = kinds.data?.find(({ name }) => name === "motion-encode");

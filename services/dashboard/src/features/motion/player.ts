@@ -1,4 +1,5 @@
 import type { Ask, Told } from "./player.worker";
+import type { Ball } from "./reach";
 import type { Header } from "./smc/container";
 
 export interface Opened {
@@ -6,6 +7,8 @@ export interface Opened {
   faces: Uint32Array;
   /** The cluster of each vertex in the first group. */
   labels: Int32Array;
+  /** Balls around some frames. */
+  reach: readonly Ball[];
 }
 
 /** A motion that is decoded in a thread of its own; of frames asked for while one is decoded, the latest counts. */

@@ -1,18 +1,19 @@
 import { Alert, Group, Paper, Stack, Text, Title } from "@mantine/core";
 import { SearchX, TriangleAlert } from "lucide-react";
 import { lazy, type ReactNode, Suspense, useMemo, useState } from "react";
+import { describe } from "@/api/problem";
 import type { Artifact, Asset, Job } from "@/api/types";
 import { Empty, Waiting } from "@/app/Notice";
 import { ComparePanel } from "@/features/compare/ComparePanel";
 import { distancesTo } from "@/features/compare/distances";
 import { Downloads } from "@/features/jobs/Downloads";
+import { useDrawable } from "@/features/preview/useDrawable";
 import { labelNames, LABELS } from "@/viewers/labels";
 import type { Box } from "@/viewers/volume/box";
 import { NoWebGL } from "@/viewers/ViewerFrame";
 import { hasWebGL } from "@/viewers/webgl";
 import { Alignments } from "./Alignments";
 import { BleedingTable } from "./BleedingTable";
-import { drawableName } from "./drawable";
 import { ObjectTable } from "./ObjectTable";
 import type { Point, SegmentationResult } from "./params";
 import { SeedPanel } from "./SeedPanel";
@@ -70,7 +71,9 @@ export default function SegmentationView({ job, result, post, facts }: Segmentat
     const [x = 0, y = 0, z = 0] = object?.centroid ?? [];
     return object ? ([x, y, z] as const) : null;
   }, [objects, chosen]);
-  const name = post ? drawableName(post) : null;
+  const volume = useDrawable(post);
+  // Until a series is read, the viewer waits; a volume that was deleted or cannot be drawn gives its place to the labels.
+  const waits = post !== null && !volume.file && !volume.error;
 
   return (
     <Stack gap="md">
@@ -83,15 +86,11 @@ export default function SegmentationView({ job, result, post, facts }: Segmentat
         <NoWebGL />
       ) : (
         <div className={classes.viewers}>
-          {labels && (
+          {labels && waits && <Waiting label="Reading the series…" />}
+          {labels && !waits && (
             <Suspense fallback={<Waiting label="Loading the viewer…" />}>
               <VolumeViewer
-                // A volume that cannot be drawn, or was deleted, gives its place to the labels.
-                image={
-                  post && name
-                    ? { url: post.content_url, name, size: post.size }
-                    : { url: labels.url, name: "labels.nii.gz", size: labels.size }
-                }
+                image={volume.file ?? { url: labels.url, name: "labels.nii.gz", size: labels.size }}
                 labels={{ url: labels.url, name: "labels.nii.gz", size: labels.size }}
                 names={names}
                 present={present}
@@ -116,10 +115,10 @@ export default function SegmentationView({ job, result, post, facts }: Segmentat
           )}
         </div>
       )}
-      {post && !name && (
+      {post && volume.error !== null && (
         <Text size="sm" c="dimmed">
-          Slices of {post.filename} cannot be drawn in the browser (DICOM); the labels are shown alone. All results can
-          be downloaded.
+          Slices of {post.filename} cannot be drawn: {describe(volume.error).message} The labels are shown alone; all
+          results can be downloaded.
         </Text>
       )}
       <div className={classes.columns}>

@@ -24,7 +24,7 @@ export function surfacesOf(objects: readonly SegmentedObject[], artifacts: reado
   };
   const ours = objects.flatMap(({ label, surface: name }) => surface(label, name, "Objects", `Object ${label}`, TUMOR));
   return [
-    ...(ours.length > 0 ? ours : surface(1, "surface.ply", "Objects", "Object 1", TUMOR)),
+    ...ours,
     ...artifacts.flatMap(({ name }) => {
       const vessel = /^surfaces\/vessel-(\d+)\.ply$/.exec(name);
       const number = Number(vessel?.[1]);

@@ -11,15 +11,16 @@ import {
   TextInput,
   Title,
 } from "@mantine/core";
+
 import { useQuery } from "@tanstack/react-query";
 import { Pencil } from "lucide-react";
 import { type SubmitEvent, useState } from "react";
 import { collectionsQuery, labelsQuery, useUpdateShape } from "@/api/shapes";
 import type { ShapeDetail } from "@/api/types";
+import { Facts } from "@/app/Facts";
 import { LinkAnchor } from "@/app/links";
 import { Failure } from "@/app/Notice";
 import { readLabel, readLabels, writeLabels } from "./labels";
-import classes from "./shape.module.css";
 
 /** What people say of a shape: name, collection, labels, metadata. */
 export function ShapeAbout({ shape }: { shape: ShapeDetail }) {
@@ -68,14 +69,13 @@ export function ShapeAbout({ shape }: { shape: ShapeDetail }) {
             </Text>
           )}
           {Object.keys(shape.metadata).length > 0 && (
-            <dl className={classes.metadata}>
-              {Object.entries(shape.metadata).map(([name, value]) => (
-                <div key={name}>
-                  <dt>{name}</dt>
-                  <dd>{typeof value === "string" ? value : JSON.stringify(value)}</dd>
-                </div>
-              ))}
-            </dl>
+            <Facts
+              values="below"
+              rows={Object.entries(shape.metadata).map(([name, value]) => [
+                name,
+                typeof value === "string" ? value : JSON.stringify(value),
+              ])}
+            />
           )}
         </Stack>
       )}

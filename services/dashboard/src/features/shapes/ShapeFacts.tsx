@@ -1,5 +1,6 @@
 import { Paper, Text, Title } from "@mantine/core";
 import type { ShapeDetail } from "@/api/types";
+import { Facts } from "@/app/Facts";
 import { LinkAnchor } from "@/app/links";
 import { integer, moment, significant } from "@/format/format";
 import classes from "./shape.module.css";
@@ -44,14 +45,7 @@ export function ShapeFacts({ shape }: { shape: ShapeDetail }) {
       <Title order={2} id="facts" mb="xs">
         The mesh
       </Title>
-      <dl className={classes.facts}>
-        {rows.map(([name, value]) => (
-          <div key={name}>
-            <dt>{name}</dt>
-            <dd>{value}</dd>
-          </div>
-        ))}
-      </dl>
+      <Facts rows={rows} values="below" />
       <Title order={3} mt="md" mb={4}>
         Before it was analysed
       </Title>

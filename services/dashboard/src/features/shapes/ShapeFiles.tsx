@@ -5,6 +5,8 @@ import { assetQuery } from "@/api/queries";
 import type { Shape } from "@/api/types";
 import { SaveLink } from "@/features/jobs/SaveLink";
 import { bytes } from "@/format/format";
+import { readMeshAt } from "@/viewers/readMeshAt";
+import { SaveMesh } from "@/viewers/SaveMesh";
 import classes from "./shape.module.css";
 
 /** What can be downloaded of a shape. */
@@ -47,6 +49,8 @@ export function ShapeFiles({ shape }: { shape: Shape }) {
               <SaveLink url={url} name={name}>
                 {name}
               </SaveLink>
+              {url === shape.mesh_url && " "}
+              {url === shape.mesh_url && <SaveMesh name={stem} mesh={() => readMeshAt(url)} />}
               <Text size="xs" c="dimmed">
                 {says}
               </Text>

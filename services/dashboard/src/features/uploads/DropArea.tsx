@@ -17,7 +17,7 @@ interface DropAreaProps {
 export function DropArea({
   onPicked,
   title = "Drop volumes here",
-  says = "NIfTI, NRRD, MetaImage or DICOM: files, a zip, or a folder of slices.",
+  says = "NIfTI, NRRD, MetaImage or DICOM: files, a zip, or a folder of slices. Meshes and mesh sequences, too.",
   limit,
   folders = true,
 }: DropAreaProps) {

@@ -4,6 +4,7 @@ import { CircleAlert, CircleCheck, FileUp, FolderArchive, Pause, Play, RotateCw,
 import { type ReactNode, useRef } from "react";
 import { assetQuery } from "@/api/queries";
 import { say } from "@/app/say";
+import { Thumbnail } from "@/features/preview/Thumbnail";
 import { describeAsset } from "@/format/asset";
 import { bytes, duration, integer, percent } from "@/format/format";
 import type { UploadItem } from "./manager";
@@ -24,13 +25,14 @@ export function UploadList({ items }: { items: readonly UploadItem[] }) {
 function UploadRow({ item }: { item: UploadItem }) {
   return (
     <li className={classes.row} data-state={item.state}>
-      <StateIcon item={item} />
+      <Picture item={item} />
       <div style={{ minWidth: 0 }}>
-        <Group gap="xs" wrap="nowrap" justify="space-between">
+        <Group gap="xs" wrap="nowrap">
+          <StateIcon item={item} />
           <span className={classes.name} title={item.name}>
             {item.name}
           </span>
-          <Text size="xs" c="dimmed" style={{ whiteSpace: "nowrap" }}>
+          <Text size="xs" c="dimmed" className={classes.size ?? ""}>
             {bytes(item.size)}
           </Text>
         </Group>
@@ -54,13 +56,30 @@ function moves(item: UploadItem): boolean {
   return item.state !== "done" && item.state !== "failed" && item.state !== "needs-file";
 }
 
+/** What is in it, as long as it lies in the browser. */
+function Picture({ item }: { item: UploadItem }) {
+  const file = uploads.content(item.id);
+  const Icon = item.files > 0 ? FolderArchive : FileUp;
+  const icon = (
+    <span className={classes.icon}>
+      <Icon size={22} strokeWidth={1.5} aria-hidden="true" />
+    </span>
+  );
+  if (!file || item.state === "failed") return icon;
+  return (
+    <Thumbnail id={item.id} name={item.name} file={file}>
+      {icon}
+    </Thumbnail>
+  );
+}
+
 function StateIcon({ item }: { item: UploadItem }) {
-  if (item.state === "done") return <CircleCheck size={20} color="var(--mantine-color-teal-6)" aria-label="Uploaded" />;
-  if (item.state === "failed") return <CircleAlert size={20} color="var(--mantine-color-red-6)" aria-label="Failed" />;
+  if (item.state === "done") return <CircleCheck size={16} color="var(--mantine-color-teal-6)" aria-label="Uploaded" />;
+  if (item.state === "failed") return <CircleAlert size={16} color="var(--mantine-color-red-6)" aria-label="Failed" />;
   if (item.state === "needs-file") {
-    return <CircleAlert size={20} color="var(--mantine-color-orange-6)" aria-label="Interrupted" />;
+    return <CircleAlert size={16} color="var(--mantine-color-orange-6)" aria-label="Interrupted" />;
   }
-  return item.files > 0 ? <FolderArchive size={20} aria-hidden="true" /> : <FileUp size={20} aria-hidden="true" />;
+  return null;
 }
 
 function Status({ item }: { item: UploadItem }) {

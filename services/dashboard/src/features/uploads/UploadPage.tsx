@@ -34,7 +34,10 @@ export function UploadPage() {
   };
 
   return (
-    <Page title="Upload and segment" lead="Bring a T1 volume after contrast, and if you have it the one before.">
+    <Page
+      title="Upload and segment"
+      lead="A T1 volume after contrast, and if you have it the one before. Meshes and motions are taken as well."
+    >
       <div className={classes.columns}>
         <Stack gap="md">
           <DropArea

@@ -127,6 +127,11 @@ export class UploadManager {
     });
   }
 
+  /** What is sent, as long as it lies in the browser: a reference to a file, not the bytes themselves. */
+  content(id: string): Blob | null {
+    return this.#inner.get(id)?.content ?? null;
+  }
+
   pause(id: string): void {
     const inner = this.#inner.get(id);
     if (!inner) return;
@@ -258,7 +263,6 @@ export class UploadManager {
           if (sent > before) failures = 0;
         });
         this.#change(id, { state: "done", sent: item.size, rate: 0, assetId });
-        inner.content = null;
         await this.#dependencies.keep.drop(id);
         this.onDone(assetId);
         return;

@@ -9,7 +9,9 @@ import {
   Sphere,
   Vector3,
 } from "three";
+import { type Ball, ballOf } from "@/features/motion/reach";
 import { Stage } from "../stage/Stage";
+import type { SurfaceMesh } from "../surface/readSurface";
 import { errorColor } from "./errorColors";
 
 const PLAIN = new Color("#8fc9c4");
@@ -37,11 +39,15 @@ export class MotionCanvas {
   readonly #colors: BufferAttribute;
   #layout: Layout = "decoded";
   #coloring: Coloring = "plain";
-  #looked = false;
+  /** Around the mesh in some frames: what one looks at. */
+  readonly #spheres: Sphere[] = [];
+  /** Whether somebody has moved the camera since one looked. */
+  #moved = false;
 
   constructor(parent: HTMLElement, vertices: number, faces: Uint32Array, onLost: () => void) {
     this.stage = new Stage(parent, { onHome: () => this.look(), onLost });
     this.stage.render = () => this.#render();
+    this.stage.controls.addEventListener("start", () => (this.#moved = true));
     const index = new BufferAttribute(faces, 1);
     const attribute = () => new BufferAttribute(new Float32Array(3 * vertices), 3);
     [this.#positions, this.#before, this.#colors] = [attribute(), attribute(), attribute()];
@@ -86,8 +92,14 @@ export class MotionCanvas {
       }
       this.#colors.needsUpdate = true;
     }
-    if (!this.#looked) this.look();
+    this.#keepInSight(ballOf(positions));
     this.stage.draw();
+  }
+
+  /** The decoded mesh as it is shown. */
+  mesh(): SurfaceMesh {
+    const faces = this.#mesh.geometry.getIndex()?.array ?? [];
+    return { positions: new Float32Array(this.#positions.array), faces: new Uint32Array(faces) };
   }
 
   /** Choose what is drawn where, and by what the decoded mesh is colored. */
@@ -105,15 +117,33 @@ export class MotionCanvas {
     this.stage.draw();
   }
 
+  /** Look at where the mesh will be. */
+  expect(balls: readonly Ball[]): void {
+    this.#spheres.push(...balls.map(([x, y, z, radius]) => new Sphere(new Vector3(x, y, z), radius)));
+    this.look();
+  }
+
+  /** Step back as far as a frame needs, unless somebody has chosen where to look from. */
+  #keepInSight([x, y, z, radius]: Ball): void {
+    if (this.#moved) return;
+    const sphere = new Sphere(new Vector3(x, y, z), radius);
+    if (this.#spheres.length > 0 && this.stage.sees(sphere, this.#share)) return;
+    this.#spheres.push(sphere);
+    this.look();
+  }
+
+  /** Look at all that is expected, and was seen beside it. */
   look(): void {
-    // The sphere is that of the frame that is shown; its box would have a far larger one.
-    this.#mesh.geometry.computeBoundingSphere();
-    const sphere = this.#mesh.geometry.boundingSphere;
-    if (!sphere || !(sphere.radius > 0)) return;
-    this.#looked = true;
+    if (this.#spheres.length === 0) return;
+    this.#moved = false;
     // With room for what plays it, at the foot of the picture.
-    const seen = new Sphere(sphere.center, 1.36 * sphere.radius);
-    this.stage.lookAt(seen, new Vector3(0.5, 0.35, 1), this.#layout === "beside" ? 0.5 : 1);
+    const seen = this.#spheres.map(({ center, radius }) => new Sphere(center, 1.15 * radius));
+    this.stage.lookAtAll(seen, new Vector3(0.5, 0.35, 1), this.#share);
+  }
+
+  /** How much of the width there is for the mesh. */
+  get #share(): number {
+    return this.#layout === "beside" ? 0.5 : 1;
   }
 
   close(): void {

@@ -10,6 +10,7 @@ import { significant } from "@/format/format";
 import { download } from "../download";
 import { StoredControls } from "../play/PlayControls";
 import { usePlay } from "../play/usePlay";
+import { SaveMesh } from "../SaveMesh";
 import { Tool } from "../Tool";
 import { ViewerFrame, type ViewerStatus } from "../ViewerFrame";
 import frame from "../viewers.module.css";
@@ -96,6 +97,7 @@ export function MotionViewer({ url, size, residuals, unit, frame: shown }: Motio
       const { header, faces } = motion;
       canvas = new MotionCanvas(element, header.vertices, faces, () => setStatus({ is: "lost" }));
       canvas.stage.tell("The motion in 3D.", "motion");
+      canvas.expect(motion.reach);
       viewer.current = { canvas, player, opened: motion };
       player.want(0);
       setOpened(motion);
@@ -146,6 +148,11 @@ export function MotionViewer({ url, size, residuals, unit, frame: shown }: Motio
     },
   });
 
+  const frameShown = () => {
+    const mesh = viewer.current?.canvas.mesh();
+    return mesh ? Promise.resolve(mesh) : Promise.reject(new Error("No frame is shown."));
+  };
+
   return (
     <ViewerFrame
       label="Motion"
@@ -169,6 +176,7 @@ export function MotionViewer({ url, size, residuals, unit, frame: shown }: Motio
             value={coloring}
             onChange={(value) => setColoring(value)}
           />
+          <SaveMesh name="frame" mesh={frameShown} tool="Save this frame as a mesh" />
           <Tool label="Look at all of it" icon={Maximize} onClick={() => viewer.current?.canvas.look()} />
         </>
       }

@@ -1,5 +1,6 @@
 import {
   AmbientLight,
+  Box3,
   DirectionalLight,
   HemisphereLight,
   PerspectiveCamera,
@@ -81,12 +82,57 @@ export class Stage {
   lookAt({ center, radius }: Sphere, towards: Vector3, share = 1): void {
     const narrow = Math.min(1, (share * this.width) / this.height);
     const distance = (radius * 1.1) / Math.sin((this.camera.fov * Math.PI) / 360) / narrow;
-    this.controls.target.copy(center);
-    this.camera.position.copy(center).addScaledVector(towards.clone().normalize(), distance);
+    this.#look(center, towards.clone().normalize(), distance);
+  }
+
+  /** Look from a direction so that all of some spheres are seen, as large as the shape of the picture allows. */
+  lookAtAll(spheres: readonly Sphere[], towards: Vector3, share = 1): void {
+    const away = towards.clone().normalize();
+    const right = new Vector3().crossVectors(this.camera.up, away).normalize();
+    const above = new Vector3().crossVectors(away, right);
+    const box = new Box3();
+    for (const { center, radius } of spheres) {
+      const at = new Vector3(center.dot(right), center.dot(above), center.dot(away));
+      box.expandByPoint(at.clone().addScalar(radius)).expandByPoint(at.subScalar(radius));
+    }
+    const middle = box.getCenter(new Vector3());
+    const half = (this.camera.fov * Math.PI) / 360;
+    const across = Math.atan(Math.tan(half) * ((share * this.width) / this.height));
+    const distance = Math.max(
+      ...spheres.map(({ center, radius }) => {
+        const [x, y] = [Math.abs(center.dot(right) - middle.x), Math.abs(center.dot(above) - middle.y)];
+        const nearer = center.dot(away) - middle.z;
+        return (
+          nearer +
+          Math.max(x / Math.tan(across) + radius / Math.sin(across), y / Math.tan(half) + radius / Math.sin(half))
+        );
+      }),
+    );
+    this.#look(
+      new Vector3().addScaledVector(right, middle.x).addScaledVector(above, middle.y).addScaledVector(away, middle.z),
+      away,
+      distance,
+    );
+  }
+
+  /** Whether a sphere lies within the picture as it is. */
+  sees({ center, radius }: Sphere, share = 1): boolean {
+    const seen = this.camera.worldToLocal(center.clone());
+    const half = (this.camera.fov * Math.PI) / 360;
+    const across = Math.atan(Math.tan(half) * ((share * this.width) / this.height));
+    const within = (beside: number, angle: number) =>
+      -seen.z * Math.sin(angle) - Math.abs(beside) * Math.cos(angle) >= radius;
+    return within(seen.x, across) && within(seen.y, half);
+  }
+
+  #look(target: Vector3, towards: Vector3, distance: number): void {
+    this.controls.target.copy(target);
+    this.camera.position.copy(target).addScaledVector(towards, distance);
     this.camera.near = distance / 100;
     this.camera.far = distance * 20;
     this.camera.updateProjectionMatrix();
     this.controls.update();
+    this.camera.updateMatrixWorld();
     this.draw();
   }
 
