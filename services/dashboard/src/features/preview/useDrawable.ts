@@ -1,7 +1,7 @@
 import { useEffect, useMemo, useState } from "react";
 import { apiFetch } from "@/api/client";
 import type { Asset } from "@/api/types";
-import type { VolumeFile } from "@/viewers/volume/VolumeViewer";
+import type { VolumeFile } from "@/viewers/volume/loadVolume";
 import { drawableName } from "./drawable";
 import { asNifti } from "./preview";
 
