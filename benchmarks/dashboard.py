@@ -6,6 +6,7 @@ and a shape, and looks at them in a headless Chromium that draws by the processo
 - first load: bytes over the network page by page, and the time until a page can be used, with an empty cache;
 - playback: frames per second of the motion, and the time that decoding one frame takes in the player's thread;
 - lists: 10,000 shapes are scrolled through, and 10,000 jobs are paged;
+- large: the time until a volume of 512 voxels along each axis is seen, and the memory that it takes;
 - memory: what 100 views of jobs and shapes with their viewers leave behind, garbage collected.
 
 Writes ``benchmarks/results/dashboard.json`` and ``.md``. The dashboard has to be built (``make setup``).
@@ -40,6 +41,8 @@ from shapery_gateway.dashboard.service import STATIC
 from shapery_geometry.mesh import icosphere
 from shapery_geometry.mesh_io import write_mesh
 from shapery_geometry.sequence import write_sequence_npz
+from shapery_geometry.volume import Volume
+from shapery_geometry.volume_io import write_nifti
 
 BROWSER = [
     "--headless=new",
@@ -59,7 +62,7 @@ PAGES = {
     "Settings": ("/settings", "Make a key"),
 }
 """Pages without a viewer: their paths, and a text that is there once they can be used."""
-PARTS = ("loads", "viewers", "playback", "wall", "memory", "jobs")
+PARTS = ("loads", "viewers", "playback", "wall", "memory", "jobs", "large")
 FPS = 60
 PROCESSES = {"--type=renderer": "pages", "--type=gpu-process": "drawing"}
 """What the browser's processes are told to be, and what they do."""
@@ -99,8 +102,21 @@ def ball(frames: int) -> tuple[Any, Any]:
     return (rest * size[..., None]).astype(np.float32), np.concatenate(quads).astype(np.int32)
 
 
-def fill(client: Client, folder: Path) -> dict[str, str]:
-    """Give the platform something to show; ids by name."""
+def shells(size: int, path: Path) -> None:
+    """Write an ellipsoid of shells and a bright ball, with noise: `size` voxels along each axis, signed 16-bit."""
+    rng = np.random.default_rng(0)
+    at = np.linspace(-1, 1, size, dtype=np.float32)
+    data = np.empty((size, size, size), dtype=np.int16)
+    for index, x in enumerate(at):
+        away = np.sqrt((x / 0.8) ** 2 + (at[:, None] / 0.9) ** 2 + (at / 0.85) ** 2)
+        ball = (x - 0.3) ** 2 + (at[:, None] - 0.1) ** 2 + (at + 0.1) ** 2 < 0.15**2
+        plane = np.where(away < 1, 600 + 200 * np.cos(9 * away), 20) + 400 * ball
+        data[index] = np.maximum(plane + rng.normal(0, 12, plane.shape), 0)
+    write_nifti(Volume(data, np.diag([230 / size, 230 / size, 230 / size, 1.0])), path)
+
+
+def fill(client: Client, folder: Path, *, large: bool) -> dict[str, str]:
+    """Give the platform something to show, also a `large` volume; ids by name."""
     head = folder / "head"
     coarse = ["--shape", "100", "120", "100", "--spacing", "1.6", "1.6", "1.6"]
     subprocess.run(
@@ -115,6 +131,10 @@ def fill(client: Client, folder: Path) -> dict[str, str]:
         "motion": client.submit("motion-encode", {"sequence": sequence.id}, {"kg": 0.5, "preset": "fast", "fps": FPS}),
         "index": client.submit("shape-index", {"mesh": mesh.id}),
     }
+    if large:
+        shells(512, folder / "large.nii.gz")
+        volume = client.upload(folder / "large.nii.gz")
+        jobs["large"] = client.submit("segmentation", {"post": volume.id})
     ended = {name: client.wait(job.id) for name, job in jobs.items()}
     failed = {name: job.error for name, job in ended.items() if job.state != JobState.SUCCEEDED}
     if failed:
@@ -313,6 +333,39 @@ def paged(browser: Any, url: str, mesh: str, total: int) -> dict[str, float]:
     return {"jobs": total, "next_page_ms": round(1000 * statistics.median(seconds))}
 
 
+def seen(browser: Any, url: str, job: str) -> dict[str, float]:
+    """Open the segmentation of a large volume: seconds until its slices are drawn, and what the page takes at most."""
+    page = opened(browser)
+    page.goto(f"{url}/jobs")
+    page.get_by_text("Progress and outcome").wait_for()
+    before = held(psutil.Process())
+    began = time.perf_counter()
+    page.goto(f"{url}/jobs/{job}", wait_until="commit")
+    drawn = page.locator("section[aria-label=Volume][data-status=ready]")
+    most = 0.0
+    while drawn.count() == 0:
+        most = max(most, held(psutil.Process())["pages"] - before["pages"])
+        page.wait_for_timeout(50)
+    page.evaluate("new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)))")
+    seconds = time.perf_counter() - began
+    after = held(psutil.Process())
+    page.context.close()
+    return {
+        "seen_s": round(seconds, 1),
+        "page_most_mb": round(most),
+        "page_after_mb": round(after["pages"] - before["pages"]),
+        "drawing_after_mb": round(after["drawing"] - before["drawing"]),
+    }
+
+
+def held(above: psutil.Process) -> dict[str, float]:
+    """Tell what is held by the browser's processes below one, and by them alone, in MB."""
+    return {
+        name: sum(process.memory_full_info().uss for process in processes(kind, above)) / 1e6
+        for kind, name in PROCESSES.items()
+    }
+
+
 def frame_times(times: Sequence[float]) -> dict[str, float]:
     """Tell how smooth it was from the times between frames (ms)."""
     ordered = sorted(times)
@@ -353,20 +406,21 @@ def memory(url: str, paths: Sequence[str], views: int) -> dict[str, Any]:
         page = browser.open(f"{url}/jobs", SIZE["width"], SIZE["height"])
         time.sleep(2)
         heaps, nodes = [], []
-        held: dict[str, list[float]] = {kind: [] for kind in PROCESSES}
+        process = psutil.Process(browser.process.pid)
+        taken: dict[str, list[float]] = {name: [] for name in PROCESSES.values()}
         for view in range(views):
             page.evaluate(VIEW, paths[view % len(paths)])
             page.send("HeapProfiler.collectGarbage")
             heaps.append(page.send("Runtime.getHeapUsage")["usedSize"] / 1e6)
             nodes.append(page.send("Memory.getDOMCounters")["nodes"])
-            for kind, told in held.items():
-                told.append(sum(process.memory_full_info().uss for process in processes(kind)) / 1e6)
+            for name, megabytes in held(process).items():
+                taken[name].append(megabytes)
     half = views // 2
     return {
         "views": views,
         "nodes": [nodes[0], nodes[half], nodes[-1]],
         "heap_mb": growth(heaps, half),
-        **{f"{name}_mb": growth(held[kind], half) for kind, name in PROCESSES.items()},
+        **{f"{name}_mb": growth(megabytes, half) for name, megabytes in taken.items()},
     }
 
 
@@ -378,9 +432,9 @@ def growth(values: Sequence[float], settled: int) -> dict[str, Any]:
     }
 
 
-def processes(kind: str) -> Iterator[psutil.Process]:
-    """Find the browser's processes of a kind."""
-    for child in psutil.Process().children(recursive=True):
+def processes(kind: str, above: psutil.Process | None = None) -> Iterator[psutil.Process]:
+    """Find the browser's processes of a kind, below a process or this one."""
+    for child in (above or psutil.Process()).children(recursive=True):
         with suppress(psutil.NoSuchProcess):
             if kind in child.cmdline():
                 yield child
@@ -405,7 +459,7 @@ def table(heads: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
 
 def report(found: dict[str, Any]) -> str:
     """Tell in words what was measured."""
-    played, wall, jobs, held = (found[name]["found"] for name in ("playback", "wall", "jobs", "memory"))
+    played, wall, jobs, held, large = (found[name]["found"] for name in ("playback", "wall", "jobs", "memory", "large"))
     loads = [(name, *one.values()) for name, one in found["loads"]["found"].items()]
     viewers = [(name, *one.values()) for name, one in found["viewers"]["found"].items()]
     memories = [
@@ -438,6 +492,10 @@ A wall of {wall["rows"]:,} shapes, scrolled through its middle: {wall["fps"]} fr
 frames at the 95th percentile, {wall["longest_ms"]} ms at the most, {wall["elements"]} elements in the page. With
 {jobs["jobs"]:,} jobs the next page of their list is there after {jobs["next_page_ms"]} ms.
 
+A volume of 512 × 512 × 512 voxels is seen after {large["seen_s"]} s, its download included; meanwhile the page takes
+{large["page_most_mb"]} MB at the most, and afterwards {large["page_after_mb"]} MB, the process that draws
+{large["drawing_after_mb"]} MB.
+
 Memory over {held["views"]} views of a segmentation, a motion and a shape in turn, garbage collected after each, in a
 browser that nobody watches (to whoever listens to the network of a page, Chromium keeps what the page has loaded: 3 MB
 a view of the segmentation); of processes what is theirs alone. MB after every tenth view, and kB a view by a line
@@ -460,7 +518,7 @@ def main() -> None:
     found: dict[str, Any] = json.loads(written.read_text()) if written.is_file() else {}
     os.environ["SHAPERY_RATE_LIMIT_PER_MINUTE"] = "0"
     with tempfile.TemporaryDirectory() as folder, platform(Path(folder)) as (url, _), Client(url) as client:
-        ids = fill(client, Path(folder))
+        ids = fill(client, Path(folder), large="large" in options.only)
         [shape] = httpx.get(f"{url}/v1/shapes").raise_for_status().json()["items"]
         with chromium() as browser:
             conditions = {"browser": browser.version, "processors": os.cpu_count(), "load": round(load, 1)}
@@ -476,6 +534,7 @@ def main() -> None:
                 "playback": lambda: playback(browser, url, ids["motion"]),
                 "wall": lambda: scrolled(browser, url, shape, options.jobs),
                 "memory": lambda: memory(url, list(viewers.values()), options.views),
+                "large": lambda: seen(browser, url, ids["large"]),
                 "jobs": lambda: paged(browser, url, shape["asset_id"], options.jobs),
             }
             for name in options.only:

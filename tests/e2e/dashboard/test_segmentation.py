@@ -174,6 +174,53 @@ def test_the_surface_is_drawn_as_it_is(open_page: OpenPage, segmented: dict[str,
     assert (tumor_colored(picture(canvas)) != lit).sum() < 0.02 * lit.sum()
 
 
+def test_viewers_are_as_new_on_the_next_page(open_page: OpenPage, segmented: dict[str, Any]) -> None:
+    """Contexts are lent from page to page: nothing of the page before is seen, and no new ones are made."""
+    page = open_page(f"/jobs/{segmented['id']}")
+    wait_for_pictures(page)
+
+    def pictures() -> list[NDArray[np.int_]]:
+        return [picture(page.get_by_test_id(name)).astype(int) for name in ("volume", "surface")]
+
+    def same(one: list[NDArray[np.int_]], other: list[NDArray[np.int_]]) -> bool:
+        return all(a.shape == b.shape and np.abs(a - b).mean() < 0.5 for a, b in zip(one, other, strict=True))
+
+    first = pictures()
+    page.get_by_role("radiogroup", name="View").get_by_text("3D", exact=True).click()
+    page.wait_for_timeout(3000)
+    whole = picture(page.get_by_test_id("volume"))
+    assert tumor_colored(whole).sum() > 200  # the surface, through the volume
+    for name in ("volume", "surface"):
+        page.get_by_test_id(name).focus()
+        for key in ("ArrowLeft", "PageUp"):
+            page.keyboard.press(key)
+    page.evaluate(
+        """() => {
+            window.made = 0;
+            const get = HTMLCanvasElement.prototype.getContext;
+            HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
+                if (kind === "webgl2") window.made += 1;
+                return get.call(this, kind, ...rest);
+            };
+        }"""
+    )
+    page.get_by_role("link", name="Jobs", exact=True).first.click()
+    page.locator(f"tr[data-job='{segmented['id']}']").get_by_role("link").first.click()
+    wait_for_pictures(page)
+    assert same(first, pictures())
+    assert page.evaluate("window.made") == 0
+
+    # One that the driver has dropped is not lent again.
+    page.evaluate(
+        """() => document.querySelector("[data-testid=volume]").getContext("webgl2")
+            .getExtension("WEBGL_lose_context").loseContext()"""
+    )
+    lost = page.locator("section[aria-label=Volume][data-status=lost]")
+    lost.get_by_role("button", name="Draw it again").click()
+    wait_for_pictures(page)
+    assert same(first, pictures())
+
+
 def test_how_it_grew_is_played_and_scrubbed(
     open_page: OpenPage, segmented: dict[str, Any], api: httpx.Client, tmp_path: Path
 ) -> None:

@@ -46,6 +46,8 @@ export class Viewer extends Niivue {
   onDrawn: (() => void) | null = null;
   onLost: (() => void) | null = null;
   readonly #still: Niivue["uiData"];
+  /** Settings change, and are drawn together. */
+  #waits = false;
   #usable = true; // its context is there
 
   /** One in its first state, shown in `parent`: the one that is kept, or a new one. */
@@ -114,7 +116,17 @@ export class Viewer extends Niivue {
     this.canvas.width = this.canvas.height = 1;
   }
 
+  /** Pixels of the canvas along each side of one of the page, 0 for as many as the screen has; draws nothing yet. */
+  sharpen(ratio: number): void {
+    if (this.opts.forceDevicePixelRatio === ratio) return;
+    this.opts.forceDevicePixelRatio = ratio;
+    this.#waits = true;
+    this.resizeListener();
+    this.#waits = false;
+  }
+
   override drawScene(): ReturnType<Niivue["drawScene"]> {
+    if (this.#waits) return;
     const told = super.drawScene();
     this.onDrawn?.();
     return told;

@@ -159,12 +159,13 @@ export function VolumeViewer({
     if (!ready || !solid || !canvas) return;
     const controller = new AbortController();
     const load = async () => {
-      for (const { url, size, label } of wanted()) {
-        if (canvas.has(url)) continue;
+      const missing = wanted().filter(({ url }) => !canvas.has(url));
+      const found = missing.map(async ({ url, size, label }) => {
         const content = await download(url, size, () => undefined, controller.signal);
-        if (controller.signal.aborted) return;
-        canvas.addSurface(url, label, readSurface(content));
-      }
+        return { name: url, label, surface: readSurface(content) };
+      });
+      const surfaces = await Promise.all(found);
+      if (!controller.signal.aborted && surfaces.length > 0) canvas.addSurfaces(surfaces);
     };
     load().catch((error: unknown) => {
       if (!controller.signal.aborted) sayFailure("The surfaces cannot be drawn", error);
