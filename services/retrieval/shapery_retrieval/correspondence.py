@@ -44,6 +44,8 @@ FINE_EPSILON = np.float32(0.01)
 
 Array32 = NDArray[np.float32]
 
+_MIRROR = np.array([1] * len(KNOWN) + [-1] * len(SIDES), dtype=np.float32)
+
 
 @dataclass(frozen=True, eq=False)
 class SampledSurface:
@@ -147,37 +149,35 @@ def lay(query: SampledSurface, other: SampledSurface, *, relaxed: bool = False) 
     on left, unless single samples look more alike mirrored, and all of them together cost far less: a body with two
     like sides may lean to either, a mirrored one is its original.
     """
-    nodes = query.features @ other.features.T
-    nodes *= -2
-    nodes += query.squares[:, None]
-    nodes += other.squares
-    few, there_few = len(query.gathered), len(other.gathered)
-    alike = nodes[:few, :there_few].copy()
-    turned = alike + _turn(query, other, few, there_few)
+    own, few, there_few = query.features, len(query.gathered), len(other.gathered)
+    alike = _squared(query, own, few, other, there_few)
     cost, plan = _coarse(query, other, alike, relaxed)
+    turned = _squared(query, own * _MIRROR, few, other, there_few)
     gain = query.gathered @ (alike.min(axis=1) - turned.min(axis=1))
     gain += other.gathered @ (alike.min(axis=0) - turned.min(axis=0))
     if gain > 0:
         turned_cost, turned_plan = _coarse(query, other, turned, relaxed)
         if turned_cost < MIRRORED * cost:
-            nodes += _turn(query, other, len(query.masses), len(other.masses))
-            plan = turned_plan
+            own, plan = own * _MIRROR, turned_plan
+    # features and the distances to the coarse samples, which the plan carries over, in one product
     here, there = query.distances, other.distances
-    laid = (here @ plan) @ there.T
-    laid *= -2
-    laid += (here**2 @ plan.sum(axis=1))[:, None]
-    laid += there**2 @ plan.sum(axis=0)
-    laid *= ALPHA
-    nodes *= 1 - ALPHA
-    laid += nodes
+    left = np.concatenate((own * (ALPHA - 1), (here @ plan) * -ALPHA), axis=1)
+    laid = left @ np.concatenate((other.features, there), axis=1).T
+    laid *= 2
+    laid += ((1 - ALPHA) * query.squares + ALPHA * (here**2 @ plan.sum(axis=1)))[:, None]
+    laid += (1 - ALPHA) * other.squares + ALPHA * (there**2 @ plan.sum(axis=0))
     result = np.empty(laid.shape, dtype=np.float32)
     kernels.settle(laid, query.masses, other.masses, FINE_EPSILON, ROUNDS, relaxed, result)
     return result
 
 
-def _turn(query: SampledSurface, other: SampledSurface, k: int, l: int) -> Array32:  # noqa: E741
-    """(k, l) what it costs more if sides are of opposite sign: |a + b|² is |a − b|² and four times a·b."""
-    return np.asarray(4 * query.features[:k, len(KNOWN) :] @ other.features[:l, len(KNOWN) :].T)
+def _squared(query: SampledSurface, own: Array32, k: int, other: SampledSurface, l: int) -> Array32:  # noqa: E741
+    """(k, l) squared distances of the first samples by features and sides."""
+    result = own[:k] @ other.features[:l].T
+    result *= -2
+    result += query.squares[:k, None]
+    result += other.squares[:l]
+    return np.asarray(result)
 
 
 def _coarse(query: SampledSurface, other: SampledSurface, nodes: Array32, relaxed: bool) -> tuple[float, Array32]:

@@ -193,18 +193,26 @@ def merge_siblings(
 def split_further(
     labels: NDArray[np.int64], weights: NDArray[np.float64], areas: NDArray[np.float64], parts: int
 ) -> NDArray[np.int64]:
-    """Cut the heaviest part in two until there are so many parts, or nothing is left to cut."""
+    """Cut parts in two until there are so many, or nothing is left to cut.
+
+    The next cut is that of least cost for the root of the area that it divides. That of the heaviest part would often
+    be made elsewhere in the next pose; the cheapest one would shave off small parts.
+    """
     result = labels.copy()
     count = int(result.max()) + 1
+    cuts: dict[int, tuple[float, NDArray[np.int64]]] = {}
+    waiting = list(range(count))
     while count < parts:
-        sizes = np.bincount(result, minlength=count)
-        mass = np.where(sizes > 1, np.bincount(result, weights=areas, minlength=count), -1.0)
-        part = int(np.argmax(mass))
-        if sizes[part] < 2:
+        for part in waiting:
+            inside = np.flatnonzero(result == part)
+            if len(inside) > 1:
+                second, cost = normalized_cut(weights[np.ix_(inside, inside)])
+                cuts[part] = cost / float(np.sqrt(areas[inside].sum())), inside[second]
+        if not cuts:
             break
-        inside = np.flatnonzero(result == part)
-        second, _ = normalized_cut(weights[np.ix_(inside, inside)])
-        result[inside[second]] = count
+        part = min(cuts, key=lambda known: cuts[known][0])
+        result[cuts.pop(part)[1]] = count
+        waiting = [part, count]
         count += 1
     return result
 
