@@ -54,9 +54,23 @@ def test_levels_are_nested_and_parts_hang_together(described_egg: Description) -
     for above, below in itertools.pairwise(decomposition.levels):
         for part in range(below.max() + 1):
             assert len(np.unique(above[below == part])) == 1
-    # the heaviest part is cut first, so none is left that is much heavier than the mean
+    # heavy parts are cut rather than light ones, so none is left that is much heavier than the mean
     mass = np.bincount(decomposition.levels[1], weights=decomposition.samples.areas)
     assert mass.max() < 4 / len(mass)
+
+
+def test_cuts_that_cost_least_come_first_even_of_light_parts() -> None:
+    weights = np.full((10, 10), 0.01)
+    for some in (slice(0, 6), slice(6, 8), slice(8, 10)):
+        weights[some, some] = 1.0
+    labels = split_further(np.zeros(10, dtype=np.int64), weights, np.full(10, 0.1), 3)
+    assert len(set(labels[:6])) == len(set(labels[6:8])) == len(set(labels[8:])) == 1
+    assert len(set(labels)) == 3
+    # where cuts are alike, the heavier part is cut
+    halves = np.repeat([0, 1], 4)
+    even = split_further(halves, np.ones((8, 8)), np.array([0.05] * 4 + [0.2] * 4), 3)
+    assert len(set(even[:4])) == 1
+    assert len(set(even[4:])) == 2
 
 
 def test_a_graph_that_cannot_be_cut_further_stays() -> None:
