@@ -19,7 +19,7 @@ from shapery_retrieval.search import Searcher
 
 MOST_BANKS = 4
 MOST_GRAPHS = 8192
-"""About 45 kB each, with the bytes that they were read from."""
+"""About 55 kB each, with the bytes that they were read from."""
 
 
 class GoneError(Exception):
