@@ -15,6 +15,7 @@ from shapery_retrieval.nodes import build_levels
 from shapery_retrieval.normalise import normalise
 from shapery_retrieval.patches import LocalSurface
 from shapery_retrieval.search import Searcher
+from shapery_retrieval.sides import sample_arrays
 from shapery_retrieval.signals import compute_signals
 from shapery_retrieval.whole import whole_descriptors
 
@@ -22,7 +23,8 @@ from shapery_retrieval.whole import whole_descriptors
 @one_blas_thread()
 def index_profile(meshes: Sequence[TriangleMesh]) -> dict[str, float]:
     """Return the mean CPU seconds of each stage of indexing a mesh."""
-    total = dict.fromkeys(("normalise", "signals", "decompose", "describe parts", "views and whole", "patches"), 0.0)
+    stages = ("normalise", "signals", "decompose", "describe parts", "views and whole", "patches", "sides")
+    total = dict.fromkeys(stages, 0.0)
     for mesh in meshes:
         at = [time.process_time()]
         normalised = normalise(mesh)
@@ -36,6 +38,8 @@ def index_profile(meshes: Sequence[TriangleMesh]) -> dict[str, float]:
         whole_descriptors(normalised.mesh, signals)
         at.append(time.process_time())
         LocalSurface(normalised, signals, decomposition.samples).described(1.0)
+        at.append(time.process_time())
+        sample_arrays(normalised.mesh, signals, decomposition.samples)
         at.append(time.process_time())
         for name, seconds in zip(total, np.diff(at), strict=True):
             total[name] += float(seconds) / len(meshes)
