@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from shapery_geometry.sequence import write_sequence_npz
 from tests.e2e.dashboard.conftest import READY, OpenPage
 from tests.e2e.dashboard.test_accessibility import AXE, overflow, serious
-from tests.support.browser import picture
+from tests.support.browser import keep_picture, picture
 
 pytestmark = [pytest.mark.server, pytest.mark.browser]
 
@@ -159,6 +159,7 @@ def test_errors_and_clusters_are_seen_as_colors(open_page: OpenPage, encoded: di
     legend.wait_for()
     assert "RMS" in legend.inner_text()
     until(lambda: hues() > 2 * plain)
+    keep_picture(page, "motion")
     if encoded["result"]["clusters"] > 1:
         choose(page, "Color", "Clusters")
         legend.wait_for(state="detached")

@@ -200,7 +200,7 @@ def test_a_shape_is_shown_with_its_parts_and_its_graph(
     page.get_by_role("button", name="Edit").click()
     page.get_by_role("textbox", name="Name").fill("a ring")
     page.get_by_role("textbox", name="Metadata").fill('{"year": 2024}')
-    page.get_by_role("button", name="Save").click()
+    page.get_by_role("button", name="Save", exact=True).click()
     page.get_by_role("heading", name="a ring").wait_for()
     page.get_by_text("2024").wait_for()
     detail = api.get(f"/v1/shapes/{bank['torus']}").json()

@@ -21,6 +21,7 @@ from shapery_platform.db import Database
 from shapery_platform.db.models import Job
 from shapery_platform.settings import load_settings
 from tests.e2e.dashboard.conftest import OpenPage, Probe
+from tests.e2e.dashboard.test_accessibility import AXE, serious
 from tests.support.embedded import Embedded
 from tests.support.gateway import served
 
@@ -93,6 +94,8 @@ def test_says_that_results_have_expired(
         time.sleep(0.2)
     page.reload()
     page.get_by_role("heading", name="The results have expired").wait_for()
+    if AXE.is_file():
+        assert serious(page, AXE.read_text()) == []
     page.get_by_role("button", name="Run it again").click()
     page.wait_for_url(lambda url: "/jobs/" in url and job not in url)
     page.locator("[data-state=succeeded]").wait_for()

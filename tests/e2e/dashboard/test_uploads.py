@@ -19,7 +19,8 @@ from shapery_geometry.sequence import write_sequence_npz
 from shapery_geometry.volume import Volume
 from shapery_geometry.volume_io.nifti import write_nifti
 from tests.e2e.dashboard.conftest import OpenPage
-from tests.support.browser import picture
+from tests.e2e.dashboard.test_accessibility import AXE, serious
+from tests.support.browser import keep_picture, picture
 from tests.support.embedded import Embedded
 from tests.support.proxy import Network, unreliable
 from tests.support.volumes import write_series
@@ -223,11 +224,15 @@ def test_files_are_seen_at_once(open_page: OpenPage, tmp_path: Path) -> None:
     np.testing.assert_allclose([rows.min() / height, rows.max() / height], [20 / 30, 26 / 30], atol=0.06)
     np.testing.assert_allclose([columns.min() / width, columns.max() / width], [4 / 24, 10 / 24], atol=0.08)
 
+    keep_picture(page, "upload")
+
     def look(name: str) -> Any:
         page.locator("li[data-state=done]", has_text=name).get_by_role("button", name=f"Look at {name}").click()
         return page.get_by_role("dialog").locator("section[data-status=ready]")
 
     look("slices.zip").get_by_test_id("place").wait_for()
+    if AXE.is_file():
+        assert serious(page, AXE.read_text()) == []
     page.keyboard.press("Escape")
     viewer = look("rolls.npz")
     viewer.get_by_test_id("frame").get_by_text("1 / 4").wait_for()

@@ -50,6 +50,25 @@ export async function parseDicom(content: ArrayBuffer): Promise<DicomFile | null
   };
 }
 
+/** The series that a file belongs to, going by its first bytes; null where it is no DICOM file or does not say. */
+export function seriesOf(head: ArrayBuffer): { uid: string; name: string } | null {
+  if (head.byteLength < 140 || text(new DataView(head), 128, 4) !== "DICM") return null;
+  const meta = new Reader(new DataView(head), true, true);
+  const { elements: first, end } = meta.dataset(132, head.byteLength, 0, (tag) => tag >>> 16 !== 2);
+  const syntax = first.get(0x00020010);
+  const named = syntax ? text(meta.view, syntax.at, syntax.length) : IMPLICIT;
+  if (named === DEFLATED) return null;
+  // Compressed pixels lie in files that are written as explicitly as others.
+  const body = new Reader(meta.view, named !== BIG, named !== IMPLICIT);
+  const { elements } = body.dataset(end, head.byteLength, 0, (tag) => tag > 0x0020000e);
+  const told = (tag: number) => {
+    const element = elements.get(tag);
+    return element && element.at + element.length <= head.byteLength ? text(body.view, element.at, element.length) : "";
+  };
+  const uid = told(0x0020000e);
+  return uid ? { uid, name: told(0x0008103e) } : null;
+}
+
 class Reader {
   constructor(
     readonly view: DataView,

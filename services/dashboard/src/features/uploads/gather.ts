@@ -1,3 +1,4 @@
+import { seriesOf } from "@/features/preview/dicomFile";
 import type { ZipEntry } from "./zip";
 
 /** A file with its place inside of what was dropped or chosen. */
@@ -22,38 +23,53 @@ const KNOWN = /\.(nii|nii\.gz|nrrd|mha|dcm|ima|obj|ply|stl|off|glb|npz|zip|smc)$
 export async function gather(picked: readonly Picked[]): Promise<Gathered> {
   const parcels: Parcel[] = [];
   const leftOut: string[] = [];
-  const series = new Map<string, ZipEntry[]>();
+  // By folder, and in it by what the files say: several series often lie together.
+  const folders = new Map<string, Map<string, { name: string; files: ZipEntry[] }>>();
   for (const { path, file } of picked) {
     const folder = path.includes("/") ? path.slice(0, path.lastIndexOf("/")) : "";
     if (folder !== "" && LITTER.test(path)) {
       leftOut.push(path);
     } else if (await isDicom(file)) {
-      const entries = series.get(folder) ?? [];
-      entries.push({
-        path: path.slice(folder === "" ? 0 : folder.length + 1),
-        content: file,
-      });
-      series.set(folder, entries);
+      const { uid, name } = readSeries(await file.slice(0, HEAD).arrayBuffer());
+      const within = folders.get(folder) ?? new Map<string, { name: string; files: ZipEntry[] }>();
+      const own = within.get(uid) ?? { name, files: [] };
+      own.files.push({ path: path.slice(folder === "" ? 0 : folder.length + 1), content: file });
+      folders.set(folder, within.set(uid, own));
     } else if (folder === "" || KNOWN.test(path)) {
       parcels.push({ type: "file", name: file.name, file });
     } else {
       leftOut.push(path);
     }
   }
-  for (const [folder, files] of series) {
-    const [only, ...others] = files;
-    if (only && others.length === 0) {
-      parcels.push({
-        type: "file",
-        name: only.path,
-        file: only.content as File,
-      });
-    } else {
-      const name = folder === "" ? "series" : (folder.split("/").at(-1) ?? "series");
-      parcels.push({ type: "archive", name: `${name}.zip`, files });
+  for (const [folder, series] of folders) {
+    const names = new Set<string>();
+    for (const { name, files } of series.values()) {
+      const [only, ...others] = files;
+      if (only && others.length === 0) {
+        parcels.push({ type: "file", name: only.path, file: only.content as File });
+        continue;
+      }
+      const place = folder === "" ? "series" : (folder.split("/").at(-1) ?? "series");
+      const title = series.size > 1 && name ? `${place} ${name.replaceAll(/[^\p{L}\p{N}._-]+/gu, " ").trim()}` : place;
+      let unlike = title;
+      for (let number = 2; names.has(unlike); number += 1) unlike = `${title} ${number}`;
+      names.add(unlike);
+      parcels.push({ type: "archive", name: `${unlike}.zip`, files });
     }
   }
   return { parcels, leftOut };
+}
+
+/** Bytes in which a file says what series it is of. */
+const HEAD = 65_536;
+
+/** What cannot be read is left to the server, together with the rest of its folder. */
+function readSeries(head: ArrayBuffer): { uid: string; name: string } {
+  try {
+    return seriesOf(head) ?? { uid: "", name: "" };
+  } catch {
+    return { uid: "", name: "" };
+  }
 }
 
 /** DICOM part 10: 128 bytes of anything, then "DICM". */
