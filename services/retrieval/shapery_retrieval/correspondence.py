@@ -34,7 +34,7 @@ COARSE = 40
 """So many samples, the first and most spread ones, are laid on each other by all their distances."""
 ALPHA, WARM, EPSILON = np.float32(0.9), np.float32(0.07), np.float32(0.01)
 """Share of the distances in the cost, which are what a pose keeps; entropy at first and at last."""
-OUTER, ROUNDS = 2, 6
+OUTER, ROUNDS = 2, 4
 SIDE_WEIGHT = np.float32(0.4)
 MIRRORED = 0.5
 """A body is taken for mirrored where this brings its cost below this share. Of poses none came below 0.65; a mirrored
@@ -92,7 +92,7 @@ def surface_of(arg: Arg) -> SampledSurface:
     features -= mean
     features *= factor
     bare = np.append(arg.whole["patch_distances"], np.uint8(0))
-    distances = bare[_places(s)[:, :COARSE]] * np.float32(arg.whole["patch_reach"][0] / 255)
+    distances = bare[_places(s, COARSE)] * np.float32(arg.whole["patch_reach"][0] / 255)
     gathered = np.bincount(np.argmin(distances, axis=1), masses, distances.shape[1])
     numbers = finest
     parts: list[Array32] = []
@@ -124,7 +124,9 @@ def region_samples(whole: Mapping[str, NDArray[Any]], numbers: NDArray[np.int32]
     """
     chosen = np.flatnonzero(numbers[whole["patch_parts"]] >= 0)
     of_each = ("patch_masses", "patch_features", "patch_sides")
-    pairs = _places(len(whole["patch_parts"]))[np.ix_(chosen, chosen)][np.triu_indices(len(chosen), 1)]
+    pairs = _places(len(whole["patch_parts"]), len(whole["patch_parts"]))[np.ix_(chosen, chosen)][
+        np.triu_indices(len(chosen), 1)
+    ]
     return {
         **whole,
         **{name: whole[name][chosen] for name in of_each},
@@ -204,9 +206,9 @@ def _standards() -> tuple[Array32, Array32]:
 
 
 @lru_cache(maxsize=64)
-def _places(s: int) -> NDArray[np.intp]:
-    """(s, s) where the distance of each pair of samples is kept; that to itself follows the last one."""
+def _places(s: int, few: int) -> NDArray[np.intp]:
+    """(s, few) where the distance of each sample to the first ones is kept; that to itself follows the last one."""
     upper = np.triu_indices(s, 1)
     places = np.full((s, s), len(upper[0]), dtype=np.intp)
     places[upper] = np.arange(len(upper[0]))
-    return np.minimum(places, places.T)
+    return np.ascontiguousarray(np.minimum(places, places.T)[:, :few])
