@@ -91,8 +91,7 @@ bench-motion: setup ## measure motion compression beside its peers; takes long, 
 	$(BIN)/python -m benchmarks.motion $(BENCH)
 
 bench-segmentation: setup ## measure segmentation: real cases, peers, phantoms, growth (goes on where it stopped)
-	$(BIN)/python -m benchmarks.segmentation
-	$(BIN)/python -m benchmarks.segmentation.vessels
+	$(BIN)/python -m benchmarks.segmentation $(BENCH)
 
 bench-retrieval: setup ## measure retrieval: figures and table, peers, wear, parts, cost, growth (goes on where it stopped; BENCH="parts of it")
 	$(BIN)/python -m benchmarks.retrieval $(BENCH)

@@ -130,7 +130,7 @@ def peers_table(
     )  # fmt: skip
     lines: list[str] = []
     mine = {name: r | {"method_seconds": r["flow_cpu_seconds"]} for name, r in ours.items()}
-    for given, title in INPUTS.items():
+    for given, title in ((given, title) for given, title in INPUTS.items() if given in peers):
         lines += ["", f"**Peers on {title}**", ""]
         body = [row("Shapery (default)", mine.__getitem__, None, 0)]
         for peer, (label, _, settings) in PEERS.items():
@@ -152,12 +152,12 @@ def ratio_lines(
 ) -> list[str]:
     """Return how many times the CPU of our flow the level set takes, on each input."""
     lines = []
-    for given, title in INPUTS.items():
+    for given, title in ((given, title) for given, title in INPUTS.items() if given in peers):
         by_case = peers[given]["threshold_level_set"]
         number = best_setting(by_case, names)
         theirs = mean(by_case[name][number]["cpu_seconds"] for name in names)
         flow = mean(ours[name]["flow_cpu_seconds"] for name in names)
-        watched = mean(ours[name]["flow_watched_seconds"] for name in names)
+        watched = mean(ours[name].get("flow_watched_seconds", ours[name]["flow_cpu_seconds"]) for name in names)
         each = mean(by_case[name][number]["cpu_seconds"] / max(ours[name]["flow_cpu_seconds"], 1e-6) for name in names)
         lines.append(
             [

@@ -1,4 +1,4 @@
-"""``python -m benchmarks.segmentation.vessels``: vessels and bleedings beside peers, and what model selection earns.
+"""Vessels and bleedings beside peers, and what model selection earns.
 
 Everything runs on generated phantoms with known truth. Peers get the true polarity, the true seed (the part of their
 result that overlaps the truth most), and for each case the setting that is best for it; ours gets the volume alone.
@@ -6,11 +6,8 @@ result that overlaps the truth most), and for each case the setting that is best
 
 from __future__ import annotations
 
-import json
-import os
 import time
 from collections.abc import Callable
-from pathlib import Path
 from statistics import mean
 from typing import Any, Literal
 
@@ -21,6 +18,7 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 from skimage.filters import frangi
 
+from benchmarks.segmentation.cache import Cache
 from benchmarks.segmentation.tables import shown, table
 from shapery_geometry.intersections import self_intersections
 from shapery_geometry.mask_metrics import dice, intersection_over_union, mask_metrics
@@ -39,7 +37,6 @@ from shapery_segmentation.vessels.tracking import relative_box, seed_voxel
 
 BoolArray = NDArray[np.bool_]
 Row = dict[str, Any]
-RESULTS = Path(__file__).resolve().parents[1] / "results"
 
 LEVELS = np.linspace(0.2, 0.8, 25)
 """Thresholds that are tried, as shares of the way from tissue to vessel (of the largest response for Frangi)."""
@@ -194,18 +191,15 @@ def selection_ablation(numbers: tuple[int, ...] = (0, 1, 2)) -> list[Row]:
     return rows
 
 
-def document(results: dict[str, Any]) -> str:
-    """Return the results as Markdown."""
+def section(results: dict[str, Any]) -> list[str]:
+    """Return the lines of the page that tell of vessels."""
     rows, ablation = results["phantoms"], results["selection"]
     lines = [
-        "# Vessels and bleedings on phantoms",
+        "## Vessels and bleedings on phantoms",
         "",
-        (
-            "SNR 10 and a 40 % bias field unless the name says otherwise; radii fall to 1.5 mm. Ours: one setting, "
-            "automatic seeds and polarity. Peers: the true polarity, a true seed, and the best of 25 thresholds for "
-            "each case. Centerlines count within one voxel. One thread; CPU seconds under whatever else the machine "
-            "did."
-        ),
+        "SNR 10 and a 40 % bias field unless the name says otherwise; radii fall to 1.5 mm. Ours: one setting,",
+        "automatic seeds and polarity. Peers: the true polarity, a true seed, and the best of 25 thresholds for each",
+        "case. Centerlines count within one voxel.",
         "",
     ]
     head = (
@@ -233,7 +227,7 @@ def document(results: dict[str, Any]) -> str:
         ],
     )
     peers = ", ".join(f"{peer} {shown(mean(r['peers'][peer] for r in rows))}" for peer in PEERS)
-    lines += ["", f"Mean IoU: ours {shown(mean(r['iou'] for r in rows))}, {peers}.", "", "## Model selection (S9)", ""]
+    lines += ["", f"Mean IoU: ours {shown(mean(r['iou'] for r in rows))}, {peers}.", "", "### Model selection (S9)", ""]
     lines += table(
         ("phantom", "flow", "IoU", "branches reached", "iterations", "rounds", "vertices", "self-int.", "CPU s"),
         [
@@ -251,24 +245,19 @@ def document(results: dict[str, Any]) -> str:
             for row in ablation
         ],
     )
-    return "\n".join(lines) + "\n"
+    return lines
 
 
-def main() -> None:
-    """Measure all, print the tables, and write ``benchmarks/results/vessels.json`` and ``.md``."""
+def measured(cache: Cache, key: str) -> dict[str, Any]:
+    """Return what `section` shows."""
     # Once before, so that no case pays for loading what was compiled.
     segment_vessels(tube_phantom(np.random.default_rng(0), (36, 36, 36)).volume)
     selection_ablation((0,))
-    results: dict[str, Any] = {
-        "phantoms": [measure(name, phantom) for name, phantom in phantoms().items()],
-        "selection": selection_ablation(),
-        "load": os.getloadavg()[0],
-    }
-    text = document(results)
-    print(text)
-    RESULTS.mkdir(parents=True, exist_ok=True)
-    (RESULTS / "vessels.json").write_text(json.dumps(results, indent=1, ensure_ascii=False) + "\n")
-    (RESULTS / "vessels.md").write_text(text)
+    rows = []
+    for name, phantom in phantoms().items():
+        rows.append(cache.get(f"vessels {name}", key, lambda n=name, p=phantom: measure(n, p)))
+        print(f"{name}: IoU {shown(rows[-1]['iou'])}", flush=True)
+    return {"phantoms": rows, "selection": cache.get("vessels selection", key, selection_ablation)}
 
 
 def _bright(phantom: VesselPhantom) -> NDArray[np.float32]:
@@ -282,7 +271,3 @@ def _component(mask: BoolArray, truth: BoolArray) -> BoolArray:
     counts = np.bincount(labels[truth], minlength=count + 1)
     counts[0] = 0
     return np.asarray(labels == counts.argmax()) if counts.any() else np.zeros(mask.shape, dtype=np.bool_)
-
-
-if __name__ == "__main__":
-    main()

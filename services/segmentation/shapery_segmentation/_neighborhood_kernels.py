@@ -1,41 +1,123 @@
-"""Loops of `shapery_segmentation.neighborhoods`."""
+"""Loops of `shapery_segmentation.neighborhoods`, whole rows at a time where that compiles to vector instructions."""
 
 from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
 
 
-@njit(cache=True, nogil=True)
-def stamp(mask: Array, offsets: Array, out: Array) -> None:
-    """Set in `out` every voxel that lies at one of `offsets` (n, 3) from a voxel of `mask`.
+_PLAIN = {"nogil": True, "_nrt": False}
+"""Without counting references to rows, which would cost more than what is done with them."""
 
-    Only voxels with a face neighbour outside the mask are stamped: the others' balls lie within theirs or in the mask.
+
+@njit(**_PLAIN)
+def _least(row: Array, more: int, out: Array) -> None:
+    for k in range(out.shape[0]):
+        value = np.int16(row[k] + more)
+        out[k] = min(out[k], value)
+
+
+@njit(cache=True, **_PLAIN)
+def squared_distances(mask: Array, reach: int, lines: Array, room: Array, out: Array) -> None:
+    """Write the squared distance in voxels of every voxel from `mask`, as far as it is at most `reach` along each axis.
+
+    Parameters
+    ----------
+    mask : (I, J, K) bool
+    reach : int
+        At most 99.
+    lines : (2, I, J) bool
+        Room.
+    room, out : (I, J, K) int16
+        Room, and what receives the distances; what is farther along an axis gets (reach + 1)² or more.
+
+    Notes
+    -----
+    Axis after axis (T. Saito and J. Toriwaki, Pattern Recogn. 27, 1994, doi:10.1016/0031-3203(94)90133-3). Rows without
+    anything near are passed over.
     """
-    nx, ny, nz = mask.shape
-    for i in range(nx):
-        for j in range(ny):
-            for k in range(nz):
-                if not mask[i, j, k]:
-                    continue
-                out[i, j, k] = True
-                if (
-                    0 < i < nx - 1
-                    and 0 < j < ny - 1
-                    and 0 < k < nz - 1
-                    and mask[i - 1, j, k]
-                    and mask[i + 1, j, k]
-                    and mask[i, j - 1, k]
-                    and mask[i, j + 1, k]
-                    and mask[i, j, k - 1]
-                    and mask[i, j, k + 1]
-                ):
-                    continue
-                for n in range(offsets.shape[0]):
-                    a, b, c = i + offsets[n, 0], j + offsets[n, 1], k + offsets[n, 2]
-                    if 0 <= a < nx and 0 <= b < ny and 0 <= c < nz:
-                        out[a, b, c] = True
+    ni, nj, nk = mask.shape
+    farthest = np.int16((reach + 1) ** 2)
+    lines[:] = False
+    for i in range(ni):
+        for j in range(nj):
+            last = reach + 1
+            for k in range(nk):
+                if mask[i, j, k]:
+                    last = 0
+                    lines[0, i, j] = True
+                elif last <= reach:
+                    last += 1
+                out[i, j, k] = last * last
+            if not lines[0, i, j]:
+                continue
+            last = reach + 1
+            for k in range(nk - 1, -1, -1):
+                if mask[i, j, k]:
+                    last = 0
+                elif last <= reach:
+                    last += 1
+                out[i, j, k] = min(out[i, j, k], np.int16(last * last))
+    for i in range(ni):
+        for j in range(nj):
+            for step in range(max(-reach, -j), min(reach, nj - 1 - j) + 1):
+                if lines[0, i, j + step]:
+                    if not lines[1, i, j]:
+                        lines[1, i, j] = True
+                        room[i, j, :] = farthest
+                    _least(out[i, j + step], step * step, room[i, j])
+    for i in range(ni):
+        for j in range(nj):
+            out[i, j, :] = farthest
+            for step in range(max(-reach, -i), min(reach, ni - 1 - i) + 1):
+                if lines[1, i + step, j]:
+                    _least(room[i + step, j], step * step, out[i, j])
+
+
+@njit(cache=True, nogil=True)
+def fill(mask: Array, queue: Array, count: int, out: Array) -> None:
+    """Set in `out` the voxels of `mask` that paths through faces lead to.
+
+    Parameters
+    ----------
+    mask : (I, J, K) bool
+    queue : (I·J·K,) int64
+        Flat indices of the `count` voxels to start from, all in `mask`; then room.
+    out : (I, J, K) bool
+        False at first.
+    """
+    ni, nj, nk = mask.shape
+    inside, reached = mask.ravel(), out.ravel()
+    for n in range(count):
+        reached[queue[n]] = True
+    done = 0
+    while done < count:
+        at = queue[done]
+        done += 1
+        k = at % nk
+        j = (at // nk) % nj
+        i = at // (nj * nk)
+        for side in range(6):
+            if side == 0 and k > 0:
+                beside = at - 1
+            elif side == 1 and k < nk - 1:
+                beside = at + 1
+            elif side == 2 and j > 0:
+                beside = at - nk
+            elif side == 3 and j < nj - 1:
+                beside = at + nk
+            elif side == 4 and i > 0:
+                beside = at - nj * nk
+            elif side == 5 and i < ni - 1:
+                beside = at + nj * nk
+            else:
+                continue
+            if inside[beside] and not reached[beside]:
+                reached[beside] = True
+                queue[count] = beside
+                count += 1

@@ -17,6 +17,7 @@ from shapery_contracts.errors import InvalidInput
 from shapery_geometry.volume import Volume
 from shapery_segmentation.blocks import block_mean
 from shapery_segmentation.brain import Brain
+from shapery_segmentation.neighborhoods import eroded
 from shapery_segmentation.smoothing import gaussian
 
 FloatArray = NDArray[np.float32]
@@ -110,7 +111,7 @@ def calibrate(brain: Brain, post: Volume, pre: Volume | None, *, without_drift: 
     mask = brain.mask & known
     if before is None:
         after = evened(after, mask, brain.grid.spacing)
-    inner = ndimage.binary_erosion(mask, iterations=2)
+    inner = eroded(eroded(mask))
     stride = max(1, int(np.count_nonzero(inner)) // SAMPLES)
     chosen = np.flatnonzero(inner)[::stride]
     if len(chosen) < 1000:

@@ -11,10 +11,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from shapery_segmentation.labels import fill_enclosed
-from shapery_segmentation.neighborhoods import box_around, connected, within
+from shapery_segmentation.neighborhoods import box_around, connected, eroded, within, within_each
 from shapery_segmentation.smoothing import gaussian
 
 FloatArray = NDArray[np.float32]
@@ -113,7 +112,7 @@ def contrast(field: FloatArray, brain: BoolArray, inside: BoolArray, whole: Bool
     Median inside minus median of the shell from 2 to 6 mm around it, over 1.4826 MAD of the shell; infinite where there
     is no shell or no variation in it.
     """
-    near, far = (within(whole, radius / spacing) for radius in SURROUNDINGS)
+    near, far = within_each(whole, [radius / spacing for radius in SURROUNDINGS])
     around = field[far & ~near & brain]
     if not len(around):
         return float("inf")
@@ -184,11 +183,10 @@ def _reach_in(
     def stands_out(part: BoolArray) -> float:
         return contrast(values, usable, part, fill_enclosed(part, spacing) | part, spacing)
 
-    faces = ndimage.generate_binary_structure(3, 1)
     for _ in range(rounds):
         threshold = running_threshold(values[inside])
         enhancing = (values > threshold) & usable
-        solid = dense(enhancing, spacing) & ndimage.binary_erosion(enhancing, faces)
+        solid = dense(enhancing, spacing) & eroded(enhancing)
         core = connected(solid, inside)
         if not core.any():
             # Too thin for the gate: the seed alone is what there is.

@@ -35,7 +35,7 @@ from shapery_segmentation._flood_kernels import flood
 from shapery_segmentation.evolution import Recorder, Scene
 from shapery_segmentation.flow.normal import FlowState, NormalFlowParams, normal_flow
 from shapery_segmentation.gate import REACH, dense
-from shapery_segmentation.neighborhoods import box_around, within
+from shapery_segmentation.neighborhoods import box_around, within, within_each
 from shapery_segmentation.objects import THIN_EDGE, Recovered
 from shapery_segmentation.preparation import averaged
 from shapery_segmentation.seeding.ball import seed_ball, surface_of
@@ -315,7 +315,8 @@ def _borders(volume: Volume, inside: BoolArray, noise: float) -> tuple[FloatArra
     """Return U, the polarity, and the contrast to the nearer side in units of the noise."""
     data = volume.data.astype(np.float32)
     wide = np.pad(inside, RING[1])
-    ring = within(wide, RING[1]) & ~within(wide, RING[0])
+    near, far = within_each(wide, RING)
+    ring = far & ~near
     ring = ring[tuple(slice(RING[1], -RING[1]) for _ in range(3))]
     around = data[ring]
     if not around.size:

@@ -74,7 +74,8 @@ def fill_enclosed(rim: BoolArray, spacing: float) -> BoolArray:
     lengths = np.linalg.norm(DIRECTIONS, axis=1) * spacing
     reaches = np.floor(SIGHT / lengths).astype(np.int64)
     counts = np.zeros(part.shape, dtype=np.uint8)
-    kernels.count_rays(part, DIRECTIONS, reaches, np.empty(part.shape, dtype=np.int16), counts)
+    steps = np.empty(tuple(n + 2 for n in part.shape), dtype=np.int16)
+    kernels.count_rays(part, DIRECTIONS, reaches, steps, counts)
     out[box] = ((counts >= ENCLOSED_FROM) | _holes(part)) & ~part
     return out
 

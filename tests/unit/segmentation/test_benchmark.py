@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.segmentation import tables
+from benchmarks.segmentation import page, tables
 from benchmarks.segmentation.cache import Cache, digest, digest_arrays
 from benchmarks.segmentation.peers import PEERS
 from shapery_geometry.mask_metrics import intersection_over_union
@@ -62,6 +62,27 @@ def test_a_measurement_is_made_once(tmp_path: Path) -> None:
     assert cache.get("a case", "k1", measure) == {"n": 1}
     assert Cache(tmp_path).get("a case", "k1", measure) == {"n": 1}
     assert cache.get("a case", "k2", measure) == {"n": 2}
+
+
+def run_of(peers: list[str], cases: list[str], load: float) -> dict[str, Any]:
+    by_peer = {peer: {case: rows(0.5) for case in cases} for peer in peers}
+    return {
+        "measured": {"peers": {"load_at_start": load}},
+        "peers": [{"peers": peers, "ours": [{"name": case} for case in cases], "rows": {"plain": by_peer}}],
+    }
+
+
+def test_a_part_measured_again_takes_the_place_of_what_it_covers() -> None:
+    before = page.merged({"measured": {"real": 1}, "real": [1], "growth": [2]}, run_of(["a", "b"], ["x"], 1.0))
+    assert before["real"] == [1]
+    assert before["growth"] == [2]
+    assert before["measured"] == {"real": 1, "peers": {"load_at_start": 1.0}}
+    # Fewer peers, or other cases, stand beside what was measured before.
+    both = page.merged(before, run_of(["a"], ["x", "y"], 2.0))
+    assert [run["peers"] for run in both["peers"]] == [["a"], ["a", "b"]]
+    again = page.merged(both, run_of(["a", "b", "c"], ["x", "y"], 3.0))
+    assert [run["peers"] for run in again["peers"]] == [["a", "b", "c"]]
+    assert again["measured"]["peers"] == {"load_at_start": 3.0}
 
 
 def test_digests_tell_values_and_shapes_apart() -> None:

@@ -301,27 +301,23 @@ def step(m, start, spheres, names, moves, batch, tick, state, counter, clear, fi
         Vertices awake now, and those among them that change their direction again and again.
     way : float
         How far in mm the vertex that moved farthest has moved.
-    narrow : float
-        Share of those that moved that something may be in the way of.
     """
     count = _propose(
         m, start, spheres, names, state, counter, clear, field, inverse, allowed, inverse_allowed, dials, moves.found,
         target, movers,
     )  # fmt: skip
     farthest = 0.0
-    narrow = 0
     for i in range(count):
         v = movers[i]
         here = point(m, v)
         displace(m, moves, v, target, batch)
         way = subtract(point(m, v), here)
         farthest = max(farthest, dot(way, way))
-        narrow += clear[v] == 0
         state[v, NET] += state[v, STEP]
         counter[v, BLOCKED] = 0
     measure_displaced(m, moves, movers, count, batch, tick)
     awake, oscillating = _settle(m, state, counter, dials)
-    return awake, oscillating, np.sqrt(farthest), narrow / max(count, 1)
+    return awake, oscillating, np.sqrt(farthest)
 
 
 @kernel

@@ -61,15 +61,15 @@ LARGEST_INTERPOLATIONS = 3
 LEAST_TRUSTED = 0.5
 """Share of the vertices that must be at rest before the others are interpolated between them."""
 
+HASTE = 5.0
+"""Multiple of `NormalFlowParams.awake_share` at which a stage is over that is not the last: the next one goes on."""
+
 NO_AGING = 1 << 30
 """Changes of direction that no vertex makes."""
 
 VERIFY_INTERVAL = 2
 """Iterations whose moves are tested together. With more, fronts that meet run into each other, are put back far, and
 leave wide seams."""
-
-MUCH_NARROW = 0.05
-"""Share of the vertices that move near another part of the surface above which every iteration is tested by itself."""
 
 LARGEST_DRIFT = 0.3
 """Edge lengths that faces may be from where they were sorted when obstacles are looked for."""
@@ -119,7 +119,6 @@ class Evolution:
         """Stamp of the moves that are not verified yet; 0 if there are none."""
         self._drift = 0.0
         """How far in mm faces may be from where they were sorted."""
-        self._narrow = 0.0
 
     def run_stage(self, stage: int, on_iteration: Callable[[FlowState], None] | None) -> None:
         """Flow with one edge length until the surface rests."""
@@ -128,11 +127,12 @@ class Evolution:
         self._begin(stage)
         first = self.iteration
         awake = self.mesh.vertex_count
+        few = p.awake_share * (1.0 if stage == len(p.edge_lengths) - 1 else HASTE)
         while self.iteration - first < p.max_iterations and not self.vanished:
             awake = self._step(length)
             self.iteration += 1
             done = self.iteration - first
-            if self._narrow > MUCH_NARROW or done % VERIFY_INTERVAL == 0:
+            if done % VERIFY_INTERVAL == 0:
                 self._verify()
             if done % p.release_interval == 0:
                 self._release()
@@ -141,15 +141,14 @@ class Evolution:
             if done % p.remesh_interval == 0:
                 self._remesh(length)
             self._moves += awake
-            if done % p.threshold_interval == 0 and self._moves > STEADY_SHARE * self.mesh.vertex_count:
-                self._update_threshold()
+            rests = awake <= few * self.mesh.vertex_count and done % p.remesh_interval == 0 and not self._stirred
+            due = rests or done % p.threshold_interval == 0
+            if due and self._moves > STEADY_SHARE * self.mesh.vertex_count:
+                rests = not self._update_threshold() and rests
                 self._moves = 0
             if on_iteration is not None:
                 state = self.mesh.vertex_count, awake, self.oscillating, self.threshold
                 on_iteration(FlowState(stage, self.iteration, *state, self.mesh.to_triangle_mesh))
-            rests = (
-                awake <= p.awake_share * self.mesh.vertex_count and done % p.remesh_interval == 0 and not self._stirred
-            )
             if self._pinched and (rests or done % RECONNECT_INTERVAL == 0):
                 rests = not self._reconnect(length) and rests
             if rests:
@@ -159,7 +158,7 @@ class Evolution:
             StageRecord(
                 edge_length=length,
                 iterations=self.iteration - first,
-                converged=awake <= p.awake_share * self.mesh.vertex_count,
+                converged=awake <= few * self.mesh.vertex_count,
                 vertices=self.mesh.vertex_count,
                 threshold=self.threshold,
             )
@@ -194,16 +193,24 @@ class Evolution:
             scale = mesh.arrays.points[:, SCALE]
             np.minimum(scale * (lengths[stage - 1] / lengths[stage]), 1.0, out=scale)
         mesh.edge_length = lengths[stage]
-        halved = stage > 0 and lengths[stage - 1] >= SUBDIVIDED * lengths[stage] and mesh.subdivide(test=self.thorough)
-        self._take_up(0 if halved else STAGE_ROUNDS if stage else SEED_ROUNDS)
+        halved = None
+        if stage and lengths[stage - 1] >= SUBDIVIDED * lengths[stage]:
+            halved = mesh.subdivide(test=self.thorough)
+        if halved is None:
+            self._take_up(STAGE_ROUNDS if stage else SEED_ROUNDS)
+        else:
+            # What nothing is in the way of at the longer edges has nothing in its way at the shorter ones.
+            clear = self._clear[halved].min(axis=1)
+            self._take_up(0)
+            self._clear[: len(clear)] = clear
+            self._state[:, states.SEEN : states.SEEN + 3] = mesh.arrays.points[:, :3]
         self._refinements = self._retreats = self._fruitless = self._changes = self._tries = 0
 
     def _take_up(self, rounds: int) -> None:
         """Bring the mesh, which is new or has a new edge length, to that length; every vertex begins anew."""
         mesh = self.mesh
         if rounds:
-            mesh.remesh(rounds=rounds)
-            mesh.compact()
+            mesh.retriangulate(rounds)
         n = mesh.vertex_slots
         self._state = np.zeros((n, states.STATE_COLUMNS))
         self._state[:, states.GAIN] = 1.0
@@ -228,7 +235,7 @@ class Evolution:
         if self.edges is not None:
             self.edges.follow(mesh.arrays.points[mesh.live, :3])
             field, inverse = self.edges.values, self.edges.inverse
-        awake, self.oscillating, way, self._narrow = steps.step(
+        awake, self.oscillating, way = steps.step(
             mesh.arrays, *mesh.cells, mesh.moves, self._batch, mesh.next_batch(), self._state, self._counter,
             self._clear, field, inverse, self.allowed, self.inverse, dials, self._target, self._movers,
         )  # fmt: skip
@@ -369,19 +376,21 @@ class Evolution:
         self._state[movers, states.NET] = 0.0
         self._counter[stopped, states.MODE] = states.AGED
 
-    def _update_threshold(self) -> None:
-        """Let the threshold follow what is inside, and wake all where it changed by more than a little."""
+    def _update_threshold(self) -> bool:
+        """Let the threshold follow what is inside; where it changed by more than a little, wake all, and tell so."""
         p = self.params
         if p.threshold_share is None or p.model != "threshold":
-            return
+            return False
         inside = median_inside(self.field, self.affine, self.mesh.to_triangle_mesh())
         if inside is None:
-            return
+            return False
         self.threshold = float(np.clip(p.threshold_share * inside, *p.threshold_range))
-        if abs(self.threshold - self._settled_threshold) > STILL:
-            self._settled_threshold = self.threshold
-            states.wake_all(self.mesh.arrays, self._state, self._counter)
-            self._stirred = True
+        if abs(self.threshold - self._settled_threshold) <= STILL:
+            return False
+        self._settled_threshold = self.threshold
+        states.wake_all(self.mesh.arrays, self._state, self._counter)
+        self._stirred = True
+        return True
 
     def _dials(self, length: float) -> speed.Dials:
         p = self.params

@@ -94,8 +94,8 @@ class NormalFlowParams:
     aging_limit: int | None = 6
     interpolation_share: float | None = 0.1
     interpolation_interval: int = 8
-    window: int = 2
-    rest: float = 0.015
+    window: int = 1
+    rest: float = 0.01
     stir: float = 0.1
     remesh_interval: int = 4
     release_interval: int = 20

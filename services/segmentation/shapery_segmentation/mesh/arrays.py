@@ -53,7 +53,8 @@ FREE_VERTEX: Final = 4
 FREE_FACE: Final = 5
 MASK: Final = 6
 SHIFT: Final = 9
-LAYOUT_ENTRIES: Final = 11
+CARELESS: Final = 11
+LAYOUT_ENTRIES: Final = 12
 
 # Entries of `MeshArrays.bound`.
 INVERSE_CELL: Final = 0
@@ -89,9 +90,9 @@ class MeshArrays(NamedTuple):
         Unit normal and area of the faces of the current batch of moves, before it.
     head : (C,) int32
         First face of each grid cell; −1 where it is empty.
-    layout : (11,) int64
+    layout : (12,) int64
         Slots ever used and slots in use; first free slots; cells along each axis minus one (powers of two), and the
-        shifts that combine the first two.
+        shifts that combine the first two; 1 while operations are not tested against the faces around them.
     bound : (3,) float64
         1/cell size, largest face radius, clearance that faces without a common vertex keep (mm).
     patch : (24, 16) float64

@@ -14,9 +14,8 @@ from shapery_segmentation.mesh import _grid_kernels as grid
 from shapery_segmentation.mesh import _motion_kernels as motion
 from shapery_segmentation.mesh import _remesh_kernels as passes
 from shapery_segmentation.mesh.arrays import (
-    AREA,
+    CARELESS,
     CLEARANCE,
-    CORNER,
     FACE_COUNT,
     FACE_TOP,
     INVERSE_CELL,
@@ -135,8 +134,8 @@ class DynamicMesh:
                 "Start from a surface without self-intersections.",
             )
 
-    def _take(self, points: NDArray[np.float64], faces: NDArray[np.int32]) -> None:
-        """Put vertices (n, 4) and faces into arrays of their own, without holes and in an order that follows space."""
+    def _take(self, points: NDArray[np.float64], faces: NDArray[np.int32]) -> NDArray[np.int64]:
+        """Put vertices (n, 4) and faces into arrays of their own, without holes; return the order, that of space."""
         order = _in_space_order(points[:, :3], self.edge_length)
         number = np.empty(len(points), dtype=np.int32)
         number[order] = np.arange(len(points), dtype=np.int32)
@@ -164,6 +163,7 @@ class DynamicMesh:
         self.arrays: MeshArrays = arrays
         grid.measure_all(arrays)
         self.size_grid()
+        return order
 
     def compact(self) -> None:
         """Move vertices and faces to new slots, without holes and so that neighbours in space are neighbours in memory.
@@ -175,7 +175,7 @@ class DynamicMesh:
         self._take(self.arrays.points[live], faces)
         self.arrays.bound[CLEARANCE] = clearance
 
-    def subdivide(self, *, test: bool = True) -> bool:
+    def subdivide(self, *, test: bool = True) -> NDArray[np.int32] | None:
         """Cut every face into four at the middles of its edges, which halves the edges and leaves the surface as it is.
 
         Parameters
@@ -185,8 +185,9 @@ class DynamicMesh:
 
         Returns
         -------
-        bool
-            Whether that was done; not where that test fails.
+        (n, 2) int32
+            For every vertex, the slots that the ends of its edge had, or twice that which it had itself; None where
+            that test fails, and nothing was done.
         """
         before, clearance = self.arrays, self.arrays.bound[CLEARANCE]
         live, faces = self.live_faces()
@@ -201,13 +202,16 @@ class DynamicMesh:
         middles[edge, SCALE] = np.minimum(starts[..., SCALE], ends[..., SCALE])
         (a, b, c), (ab, bc, ca) = faces.T, (edge + len(points)).T.astype(np.int32)
         quarters = np.concatenate([np.stack(t, axis=1) for t in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])
-        self._take(np.concatenate((points, middles)), quarters)
+        order = self._take(np.concatenate((points, middles)), quarters)
         self.arrays.bound[CLEARANCE] = clearance
+        parents = np.empty((len(order), 2), dtype=np.int32)
+        parents[: len(live)] = live[:, None]
+        parents[len(live) + edge] = np.stack((live[faces], live[np.roll(faces, -1, axis=1)]), axis=-1)
         if test and self.touches_itself():
             self.arrays = before
             self.size_grid()
-            return False
-        return True
+            return None
+        return parents[order]
 
     @property
     def vertex_count(self) -> int:
@@ -260,10 +264,8 @@ class DynamicMesh:
     def size_grid(self) -> None:
         """Choose the size of the grid's cells, and their number by the region that the surface fills now."""
         arrays = self.arrays
-        points = arrays.points[self.live, :3]
-        extent = points.max(axis=0) - points.min(axis=0)
-        used = arrays.links[: arrays.layout[FACE_TOP]]
-        area = float(arrays.facets[: len(used), AREA][used[:, CORNER] >= 0].mean(dtype=np.float64))
+        extent = np.empty(3)
+        area = grid.measure_extent(arrays, extent)
         # The side of an equilateral triangle of the mean area.
         self.mean_edge = float(np.sqrt(4.0 / np.sqrt(3.0) * area))
         cell = CELL_RATIO * self.mean_edge
@@ -333,6 +335,23 @@ class DynamicMesh:
             if done.splits + done.collapses + done.flips <= SETTLED * self.face_count:
                 break
         return total
+
+    def retriangulate(self, rounds: int) -> None:
+        """Bring all edges near their target, and compact the arrays.
+
+        A contact is rare, and testing for it at every operation costs more than all the rest: it is tested for in the
+        end, and only where there is one everything is done again with care. Slots become meaningless.
+        """
+        live, faces = self.live_faces()
+        points, clearance = self.arrays.points[live], self.arrays.bound[CLEARANCE]
+        self.arrays.layout[CARELESS] = 1
+        self.remesh(rounds=rounds)
+        self.arrays.layout[CARELESS] = 0
+        if self.touches_itself():
+            self._take(points, faces)
+            self.arrays.bound[CLEARANCE] = clearance
+            self.remesh(rounds=rounds)
+        self.compact()
 
     def move(self, movers: NDArray[np.int32], target: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Move vertices; those whose faces would touch others, turn over or degenerate stay where they are.
