@@ -13,7 +13,17 @@ from shapery_geometry.mesh import TriangleMesh, icosphere
 from shapery_segmentation.mesh import DynamicMesh
 from shapery_segmentation.mesh import _grid_kernels as grid
 from shapery_segmentation.mesh import _remesh_kernels as passes
-from shapery_segmentation.mesh.arrays import CREATED, FREE_VERTEX, ORIGIN, SCALE, TOUCHED, TWIN, VERTEX_TOP
+from shapery_segmentation.mesh.arrays import (
+    CARELESS,
+    CLEARANCE,
+    CREATED,
+    FREE_VERTEX,
+    ORIGIN,
+    SCALE,
+    TOUCHED,
+    TWIN,
+    VERTEX_TOP,
+)
 from shapery_segmentation.mesh.invariants import defects
 from shapery_segmentation.seeding.ball import surface_of
 
@@ -434,6 +444,30 @@ def test_faces_cut_into_four_leave_the_surface_as_it_is(name: str) -> None:
     assert out.edge_lengths.mean() == pytest.approx(0.5 * surface.edge_lengths.mean(), rel=0.05)
     # New vertices take the finer target of their ends.
     assert (mesh.arrays.points[mesh.live, SCALE] == 0.5).sum() > 5
+
+
+@pytest.mark.parametrize("touching", [False, True])
+def test_a_mesh_is_brought_to_its_edge_length_and_with_care_where_that_made_contacts(
+    touching: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mesh = DynamicMesh(icosphere(radius=6.0, subdivisions=4), 2.0)
+    careless: list[int] = []
+    remesh = DynamicMesh.remesh
+
+    def noted(self: DynamicMesh, **given: int) -> object:
+        careless.append(int(self.arrays.layout[CARELESS]))
+        return remesh(self, **given)  # type: ignore[arg-type]
+
+    answers = iter([touching])
+    with monkeypatch.context() as patched:
+        patched.setattr(DynamicMesh, "remesh", noted)
+        patched.setattr(DynamicMesh, "touches_itself", lambda self: next(answers))
+        mesh.retriangulate(8)
+    assert careless == ([1, 0] if touching else [1])
+    assert mesh.arrays.layout[CARELESS] == 0
+    assert mesh.arrays.bound[CLEARANCE] == DynamicMesh(icosphere(radius=6.0), 2.0).arrays.bound[CLEARANCE]
+    assert defects(mesh) == []
+    assert mesh.to_triangle_mesh().edge_lengths.mean() == pytest.approx(2.0, rel=0.2)
 
 
 def test_the_fast_test_for_contacts_says_what_the_plain_one_says() -> None:
