@@ -18,13 +18,14 @@ from shapery_motion.container.header import MotionLimits
 from shapery_motion.container.sections import FRAME_BYTES, MAGIC, SectionReader, pack_section
 
 GOLDEN = Path(__file__).parent.parent / "unit" / "motion" / "golden"
-DATA = (GOLDEN / "trajectory-1.2" / "corrected.smc").read_bytes()
+DATA = (GOLDEN / "trajectory-1.3" / "corrected.smc").read_bytes()
 OTHERS = {
+    "version 1.2": (GOLDEN / "trajectory-1.2" / "waving.smc").read_bytes(),
     "version 1.1": (GOLDEN / "trajectory-1.1" / "waving.smc").read_bytes(),
     "version 1.0": (GOLDEN / "trajectory" / "waving.smc").read_bytes(),
     "gradient": (GOLDEN / "gradient-1.0.smc").read_bytes(),
 }
-TAGS = {"HEAD", "META", "GRPS", "CONN", "TMOD", "TBAS", "TFL3", "CORR", "END"}
+TAGS = {"HEAD", "META", "GRPS", "CONN", "TMOD", "TBA2", "TFL4", "CORR", "END"}
 
 
 def sections(of: bytes = DATA) -> list[tuple[str, bytes]]:

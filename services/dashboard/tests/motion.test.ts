@@ -29,48 +29,51 @@ function largestError(motion: Motion, vertices: Float64Array, order: Iterable<nu
   return largest;
 }
 
-describe.each(["trajectory", "trajectory-exact", "trajectory-1.1", "trajectory-1.2"])("the motion %s", (name) => {
-  const { bytes, vertices } = golden(name);
+describe.each(["trajectory", "trajectory-exact", "trajectory-1.1", "trajectory-1.2", "trajectory-1.3"])(
+  "the motion %s",
+  (name) => {
+    const { bytes, vertices } = golden(name);
 
-  it("has the same vertices as in the reference decoder", () => {
-    const motion = new Motion(bytes);
-    const n = 3 * motion.header.vertices;
-    expect(vertices.length).toBe(motion.header.frames * n);
-    const bound = 1e-9 * diagonal(vertices.subarray(0, n)); // the format asks for 1e-5
-    expect(
-      largestError(
-        motion,
-        vertices,
-        Array.from({ length: 21 }, (_, frame) => frame),
-      ),
-    ).toBeLessThan(bound);
-    expect(largestError(motion, vertices, [20, 0, 13, 8, 9])).toBeLessThan(bound);
-  });
+    it("has the same vertices as in the reference decoder", () => {
+      const motion = new Motion(bytes);
+      const n = 3 * motion.header.vertices;
+      expect(vertices.length).toBe(motion.header.frames * n);
+      const bound = 1e-9 * diagonal(vertices.subarray(0, n)); // the format asks for 1e-5
+      expect(
+        largestError(
+          motion,
+          vertices,
+          Array.from({ length: 21 }, (_, frame) => frame),
+        ),
+      ).toBeLessThan(bound);
+      expect(largestError(motion, vertices, [20, 0, 13, 8, 9])).toBeLessThan(bound);
+    });
 
-  it("has its faces, whole and in order", () => {
-    const { faces, header } = new Motion(bytes);
-    expect(faces.length).toBe(3 * header.faces);
-    expect([...faces.subarray(0, 9)]).toEqual([0, 44, 45, 0, 45, 150, 1, 46, 103]);
-    expect(Math.max(...faces)).toBeLessThan(header.vertices);
-  });
+    it("has its faces, whole and in order", () => {
+      const { faces, header } = new Motion(bytes);
+      expect(faces.length).toBe(3 * header.faces);
+      expect([...faces.subarray(0, 9)]).toEqual([0, 44, 45, 0, 45, 150, 1, 46, 103]);
+      expect(Math.max(...faces)).toBeLessThan(header.vertices);
+    });
 
-  it("is refused wherever a byte is altered", () => {
-    for (let at = 0; at < bytes.length; at += 29) {
-      const altered = bytes.slice();
-      altered[at] = (altered[at] ?? 0) ^ 0x55;
-      expect(() => {
-        const motion = new Motion(altered);
-        for (const { first } of motion.header.groups) motion.frame(first);
-      }, `byte ${at}`).toThrow(/.+/);
-    }
-  });
+    it("is refused wherever a byte is altered", () => {
+      for (let at = 0; at < bytes.length; at += 29) {
+        const altered = bytes.slice();
+        altered[at] = (altered[at] ?? 0) ^ 0x55;
+        expect(() => {
+          const motion = new Motion(altered);
+          for (const { first } of motion.header.groups) motion.frame(first);
+        }, `byte ${at}`).toThrow(/.+/);
+      }
+    });
 
-  it("is refused wherever it is cut off", () => {
-    for (let length = 0; length < bytes.length; length += 41) {
-      expect(() => new Motion(bytes.slice(0, length)), `${length} bytes`).toThrow(CorruptMotion);
-    }
-  });
-});
+    it("is refused wherever it is cut off", () => {
+      for (let length = 0; length < bytes.length; length += 41) {
+        expect(() => new Motion(bytes.slice(0, length)), `${length} bytes`).toThrow(CorruptMotion);
+      }
+    });
+  },
+);
 
 describe("a motion of the profile gradient", () => {
   const { bytes, vertices } = golden("gradient");

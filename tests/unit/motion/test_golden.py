@@ -13,7 +13,12 @@ from shapery_motion import decode, info
 
 FOLDERS = {
     version: Path(__file__).parent / "golden" / name
-    for version, name in (("1.0", "trajectory"), ("1.1", "trajectory-1.1"), ("1.2", "trajectory-1.2"))
+    for version, name in (
+        ("1.0", "trajectory"),
+        ("1.1", "trajectory-1.1"),
+        ("1.2", "trajectory-1.2"),
+        ("1.3", "trajectory-1.3"),
+    )
 }
 EXPECTED = {
     (version, name): expected

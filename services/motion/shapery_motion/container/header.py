@@ -12,7 +12,7 @@ from shapery_contracts.errors import InvalidInput, LimitExceeded
 from shapery_contracts.formats.model import unsupported
 from shapery_motion.container.sections import GROUPS, HEAD, META, damaged
 
-VERSION: Final = (1, 2)
+VERSION: Final = (1, 3)
 """Major and minor version of the format that is written. Readers take any minor version of their major one."""
 PROFILES: Final = {1: "trajectory", 2: "gradient"}
 MAX_GROUP_FRAMES: Final = 4096

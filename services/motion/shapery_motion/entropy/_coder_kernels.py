@@ -19,7 +19,7 @@ from shapery_motion.compiled import inlined, inner
 DECODE: Final = 0
 ENCODE: Final = 1
 
-# The coder's state, an int64 array of five.
+# The coder's state, an int64 array of six.
 LOW: Final = 0
 HIGH: Final = 1
 CODE: Final = 2
@@ -27,6 +27,8 @@ CODE: Final = 2
 POSITION: Final = 3
 """Bytes written or read."""
 MODE: Final = 4
+PACE: Final = 5
+"""How fast the mixer learns."""
 
 CONTEXTS: Final = 8
 """How many contexts predict each decision of a value."""
@@ -35,7 +37,6 @@ BINS: Final = 32
 LENGTH_BINS: Final = 24
 RATE_LIMIT: Final = 250
 """A probability's adaptation slows down until it has seen this many bits."""
-LEARNING: Final = 8
 BIAS: Final = 256
 
 SQUASH_KNOTS: Final = (
@@ -157,7 +158,7 @@ def code_mixed(state, buffer, probabilities, hits, slots, offset, weights, row, 
     """Code a bit by the contexts' joint prediction, and let them learn."""
     p = mixed(probabilities, slots, offset, weights, row, other, logits)
     bit = code_bit(state, buffer, p, bit)
-    error = ((65536 if bit else 0) - p) * LEARNING
+    error = ((65536 if bit else 0) - p) * state[PACE]
     for k in range(CONTEXTS):
         change = (logits[k] * error + 0x80000) >> 20
         weights[row, k] += change
@@ -228,21 +229,28 @@ def code_value(state, buffer, probabilities, hits, slots, weights, row, other, l
 
 
 @inner
-def value_cost(probabilities, slots, weights, row, other, logits, costs, value):
-    """Return the bits that `code_value` would take, without learning."""
-    magnitude = abs(value)
-    length = bit_length(magnitude)
-    bits = 0.0
-    for k in range(min(length + 1, LENGTH_BINS)):
+def value_costs(probabilities, slots, weights, row, other, logits, costs, values, bits):
+    """Set `bits` to what `code_value` would take for each of some values, without learning; signs count 1."""
+    longest = 0
+    for value in values:
+        longest = max(longest, bit_length(abs(value)))
+    before = 0.0
+    for k in range(min(longest + 1, LENGTH_BINS)):
         p = mixed(probabilities, slots, k, weights, row + k, other + k, logits)
-        bits += costs[(p if k < length else 65536 - p) >> 4]
-    if length > 0:
-        bits += length
+        for c in range(len(values)):
+            if bit_length(abs(values[c])) == k:
+                bits[c] = before + costs[(65536 - p) >> 4]
+        before += costs[p >> 4]
+    for c in range(len(values)):
+        magnitude = abs(values[c])
+        length = bit_length(magnitude)
+        if length >= LENGTH_BINS:
+            bits[c] = before
+        bits[c] += length
         if 2 <= length < BINS - LENGTH_BINS + 2:
             offset = LENGTH_BINS + length - 2
             p = mixed(probabilities, slots, offset, weights, row + offset, other + offset, logits)
-            bits += costs[(p if (magnitude >> (length - 2)) & 1 else 65536 - p) >> 4] - 1.0
-    return bits
+            bits[c] += costs[(p if (magnitude >> (length - 2)) & 1 else 65536 - p) >> 4] - 1.0
 
 
 NUMBER_SLOTS: Final = 64

@@ -20,6 +20,9 @@ SLACK = 64
 """Bytes by which a damaged stream may be read beyond its end before it is refused; a sound one needs at most 4."""
 
 
+PACE = 8
+
+
 class Stream:
     """The coder's state, its buffer and its probabilities, all of which the kernels change in place.
 
@@ -33,14 +36,19 @@ class Stream:
         What is to be decoded; without it the stream is one to encode.
     room
         Bytes that an encoded stream may take.
+    pace
+        How fast the mixer learns.
     """
 
-    def __init__(self, slots: int, rows: int = 1, *, data: memoryview | None = None, room: int = 1 << 16) -> None:
+    def __init__(
+        self, slots: int, rows: int = 1, *, data: memoryview | None = None, room: int = 1 << 16, pace: int = PACE
+    ) -> None:
         self.probabilities: IntArray = np.full(slots, 32768, dtype=np.int64)
         self.hits: IntArray = np.zeros(slots, dtype=np.int64)
         self.weights: IntArray = np.full((rows, coder.CONTEXTS + 1), 65536 * 1 // 10, dtype=np.int64)
         self.weights[:, coder.CONTEXTS] = 0
-        self.state: IntArray = np.zeros(5, dtype=np.int64)
+        self.state: IntArray = np.zeros(6, dtype=np.int64)
+        self.state[coder.PACE] = pace
         if data is None:
             self.buffer = np.empty(room, dtype=np.uint8)
             start(self.state, self.buffer, coder.ENCODE)

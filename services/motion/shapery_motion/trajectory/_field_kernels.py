@@ -3,9 +3,10 @@
 A node holds the mean of its vertices. Going down, each pair needs the difference of its children's means; it is
 predicted from the nodes around, and what remains is coded at a step of 1 in the orthonormal (Haar) scaling.
 
-The stream comes in three editions. From the second on, what earlier clusters say of the vertices beside a cluster
+The stream comes in four editions. From the second on, what earlier clusters say of the vertices beside a cluster
 helps to predict it, predictions are trusted as far as they proved right, and links are weighted anew as modes are
-known. In the third, a cluster's mean trajectory is a function of its own, whose field needs no numbers.
+known. In the third, a cluster's mean trajectory is a function of its own, whose field needs no numbers. In the fourth,
+numbers are quantised dependently (`_trellis_kernels`).
 """
 
 # mypy: allow-untyped-defs, allow-untyped-calls
@@ -17,18 +18,29 @@ from typing import Final
 import numpy as np
 
 from shapery_motion.compiled import inlined, inner, kernel
-from shapery_motion.entropy._coder_kernels import (
-    BINS,
-    CONTEXTS,
-    DECODE,
-    MODE,
-    bit_length,
-    code_value,
-    value_cost,
+from shapery_motion.entropy._coder_kernels import BINS, CONTEXTS, DECODE, MODE, code_value, value_costs
+from shapery_motion.trajectory._level_kernels import (
+    MAX_LEVEL,
+    MAX_MODE,
+    MIXER_ROWS,
+    ROWS,
+    describe,
+    long_memory,
+    moved,
+    plan_level,
+    trusted,
+)
+from shapery_motion.trajectory._trellis_kernels import (
+    CANDIDATES,
+    DELAY,
+    NEXT,
+    NUMBERS,
+    REALS,
+    STATES,
+    candidates_of,
+    level_of,
 )
 
-ROWS: Final = 8
-"""Sets of mixing weights."""
 SWEEPS: Final = 3
 """Passes of relaxation in which a level is predicted from the one above."""
 GUIDES: Final = (3, 6, 12, 24)
@@ -36,34 +48,7 @@ GUIDES: Final = (3, 6, 12, 24)
 edition knows the first number only."""
 PRIOR: Final = 5.0
 """With how many squared steps a prediction is trusted before it was tried."""
-MOST_TRUST: Final = 1.3
 NEAREST: Final = 0.1
-MAX_LEVEL: Final = 12
-MAX_MODE: Final = 24
-SCALES: Final = 16
-FIELD_SIZES: Final = np.array(
-    [
-        (MAX_LEVEL) * (MAX_MODE),
-        SCALES * SCALES,
-        SCALES * SCALES,
-        SCALES * SCALES,
-        SCALES * 8,
-        SCALES * SCALES * 3,
-        64 * 4,
-        SCALES * SCALES,
-    ],
-    dtype=np.int64,
-)
-"""How many contexts there are of each of the eight kinds."""
-
-
-@inlined
-def scale(quarters):
-    """Return the class, 0 … 15, of a magnitude given in quarters: fine where small, in halves of an octave above."""
-    if quarters < 6:
-        return quarters
-    length = bit_length(quarters)
-    return min(2 * length + ((quarters >> (length - 2)) & 1), SCALES - 1)
 
 
 @inlined
@@ -149,6 +134,8 @@ def code_fields(
 ):  # fmt: skip
     """Code the fields of one cluster: `rank` modes over n vertices.
 
+    Two rows of `bases` (1 or 2, 8), where the contexts of each kind begin, tell that quantisation is dependent.
+
     Encoding, `targets` (n, rank) holds what is to be coded in units of the step, `costs` the bits of a probability and
     `trade` how much squared error a bit is worth. `decoded` (rank, n) receives the values that a decoder has, and
     `quantised` (rank, 1 + pairs) the whole numbers, by which later modes are predicted. A share `carry` (rank, rank) of
@@ -175,7 +162,11 @@ def code_fields(
     agreed, tried = np.zeros(MAX_LEVEL), np.zeros(MAX_LEVEL)
     wanted = np.zeros(n + pairs)
     running = np.zeros(MAX_LEVEL, dtype=np.int64)
+    values, bits = np.zeros(CANDIDATES, dtype=np.int64), np.zeros(CANDIDATES)
+    numbers, reals = np.zeros((NUMBERS, STATES, DELAY), dtype=np.int64), np.zeros((REALS, STATES, DELAY))
+    kept = np.zeros((pairs, 2))
     encoding = state[MODE] != DECODE
+    dependent = len(bases) > 1
     for mode in range(rank):
         now = quantised[mode]
         before = quantised[max(mode - 1, 0)]
@@ -199,10 +190,11 @@ def code_fields(
                 a, b = children[pair, 0], children[pair, 1]
                 wanted[n + pair] = (sizes[a] * wanted[a] + sizes[b] * wanted[b]) / (sizes[a] + sizes[b])
         # the root
+        trellis = 0
         root = n + pairs - 1 if pairs else 0
         for k in range(CONTEXTS):
-            slots[k] = (bases[k] + (min(mode, 15) if k % 2 else 0)) * BINS
-        slots[0] = (bases[0] + (MAX_LEVEL - 1) * MAX_MODE + min(mode, MAX_MODE - 1)) * BINS
+            slots[k] = (bases[0, k] + (min(mode, 15) if k % 2 else 0)) * BINS
+        slots[0] = (bases[0, 0] + (MAX_LEVEL - 1) * MAX_MODE + min(mode, MAX_MODE - 1)) * BINS
         root_scale = np.sqrt(float(n))
         value = 0
         if encoding:
@@ -232,6 +224,13 @@ def code_fields(
                     means[a] = center + sizes[b] / whole * delta
                     means[b] = center - sizes[a] / whole * delta
             depth = min(level, MAX_LEVEL - 2)
+            if encoding and dependent:
+                plan_level(
+                    probabilities, weights, bases, low, high, depth, mode, trellis,
+                    children, sizes, links, link_starts, link_weights, inner_weights, parents, outer_weights, outer,
+                    wanted, means, quantised, running[depth], agreed[depth], tried[depth], costs, trade,
+                    slots, logits, values, bits, numbers, reals, kept,
+                )  # fmt: skip
             for pair in range(low, high):
                 a, b = children[pair, 0], children[pair, 1]
                 center = means[n + pair]
@@ -255,49 +254,51 @@ def code_fields(
                 e1 = abs(before[pair]) if mode > 0 else 0
                 e2 = abs(earlier[pair]) if mode > 1 else 0
                 e3 = abs(third[pair]) if mode > 2 else 0
-                beside = scale(4 * near // count) if count else SCALES - 1
-                prior = scale(4 * past // width) if width else 0
-                mean = scale(running[depth] >> 4)
-                slots[0] = (bases[0] + depth * MAX_MODE + min(mode, MAX_MODE - 1)) * BINS
-                slots[1] = (bases[1] + beside * SCALES + min(depth, SCALES - 1)) * BINS
-                slots[2] = (bases[2] + scale(4 * e1) * SCALES + scale(2 * (e2 + e3))) * BINS
-                slots[3] = (bases[3] + scale(4 * up) * SCALES + beside) * BINS
-                blend = scale((8 * near // count if count else 4 * up) // 4 + up + e1 + e2 // 2)
-                slots[4] = (bases[4] + blend * 8 + min(depth, 7)) * BINS
-                slots[5] = (bases[5] + (mean * SCALES + beside) * 3 + min(e1, 2)) * BINS
-                slots[6] = (bases[6] + min(mode, 63) * 4 + min(depth, 3)) * BINS
-                slots[7] = (bases[7] + prior * SCALES + mean) * BINS
-                row = (1 + min(depth, ROWS - 2)) * BINS
-                other = (ROWS + blend) * BINS
+                long = long_memory(quantised, mode, pair)
+                odd = trellis & 1
+                row, other = describe(
+                    slots,
+                    bases[odd],
+                    dependent,
+                    mode,
+                    depth,
+                    near,
+                    count,
+                    past,
+                    width,
+                    up,
+                    e1,
+                    e2,
+                    e3,
+                    long,
+                    running[depth],
+                )
+                row += odd * MIXER_ROWS * BINS
+                other += odd * MIXER_ROWS * BINS
                 plain = gain * delta
                 guess = plain
                 if second:
-                    guess = plain * min(max(agreed[depth] / tried[depth], 0.0), MOST_TRUST)
-                value = 0
-                if encoding:
+                    guess = trusted(plain, agreed[depth], tried[depth])
+                value = now[pair]
+                if encoding and not dependent:
                     rest = gain * (wanted[a] - wanted[b]) - guess
-                    value = int(np.rint(rest))
-                    if value != 0 and trade > 0.0:
-                        sign = 1 if value > 0 else -1
-                        most = abs(value)
-                        best = np.inf
-                        chosen = value
-                        for candidate in (most, most - 1, 0):
-                            if candidate == 0 and most > 2:
-                                continue
-                            error = abs(rest) - candidate
-                            loss = error * error + trade * value_cost(
-                                probabilities, slots, weights, row, other, logits, costs, candidate
-                            )
-                            if loss < best:
-                                best, chosen = loss, sign * candidate
-                        value = chosen
+                    candidates_of(rest, 0, values)
+                    value_costs(probabilities, slots, weights, row, other, logits, costs, values, bits)
+                    best = np.inf
+                    for c in range(CANDIDATES):
+                        error = rest - values[c]
+                        loss = error * error + trade * bits[c]
+                        if loss < best:
+                            best, value = loss, values[c]
                 value = code_value(state, buffer, probabilities, hits, slots, weights, row, other, logits, -1, value)
                 now[pair] = value
-                running[depth] += ((abs(value) << 8) - running[depth] * 4 + 32) >> 6
-                agreed[depth] += plain * (guess + value)
+                running[depth] = moved(running[depth], value)
+                level_here = 0.5 * level_of(value, odd)
+                if dependent:
+                    trellis = NEXT[trellis, value & 1]
+                agreed[depth] += plain * (guess + level_here)
                 tried[depth] += plain * plain
-                delta = (guess + value) / gain
+                delta = (guess + level_here) / gain
                 means[a] = center + sizes[b] / whole * delta
                 means[b] = center - sizes[a] / whole * delta
             high = low

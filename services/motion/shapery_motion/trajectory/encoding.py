@@ -16,7 +16,7 @@ from shapery_contracts.errors import InvalidInput
 from shapery_motion.graph import VertexGraph
 from shapery_motion.trajectory._frame_kernels import functions_of_time
 from shapery_motion.trajectory.borders import Border, DecodedCluster, in_rows, numbers_within
-from shapery_motion.trajectory.model import BASES, FIELDS, MODEL, GroupModel
+from shapery_motion.trajectory.model import BASES, DEPENDENT_BASES, DEPENDENT_FIELDS, FIELDS, MODEL, GroupModel
 from shapery_motion.trajectory.streams import BasisStream, FieldStream, PairingTree
 
 FloatArray = NDArray[np.float64]
@@ -25,7 +25,11 @@ IntArray = NDArray[np.int64]
 LARGEST: Final = (1 << 24) - (1 << 20)
 """Where whole numbers end that are coded, a little below what the format can hold."""
 TRADE: Final = 0.08
-"""Squared error, in squared steps, for which a bit is spared."""
+DEPENDENT_TRADE: Final = 0.09
+"""Squared error, in squared steps, for which a bit is spared, with plain and with dependent quantisation."""
+PAYING: Final = 12.0
+DEPENDENT_PAYING: Final = 13.5
+"""Squared steps, divided by the squared error of a number, above which a mode's numbers may pay."""
 GRID: Final = 4
 """Frames between places where a run may begin, or a multiple of it in long groups."""
 PLACES: Final = 32
@@ -214,11 +218,11 @@ def encode_at(
     *,
     offset: FloatArray,
     sources: IntArray,
-    trade: float = TRADE,
+    dependent: bool = False,
 ) -> Encoded:
     """Encode a group at a step.
 
-    The squared error counts a kept frame as often as it is shown.
+    The squared error counts a kept frame as often as it is shown. Dependent quantisation takes less room and more time.
 
     Raises
     ------
@@ -227,8 +231,9 @@ def encode_at(
     """
     frames = int(clusters[0].cuts[-1])
     numbers = sum(len(c.modes) * (len(c.members) + 3 * frames) for c in clusters)
-    bases = BasisStream(room=8 * numbers + 64, trade=trade)
-    fields = FieldStream(room=8 * numbers + 64, trade=trade)
+    trade, paying = (DEPENDENT_TRADE, DEPENDENT_PAYING) if dependent else (TRADE, PAYING)
+    bases = BasisStream(room=8 * numbers + 64, trade=trade, dependent=dependent)
+    fields = FieldStream(room=8 * numbers + 64, trade=trade, dependent=dependent)
     n = sum(len(c.members) for c in clusters)
     labels = np.zeros(n, dtype=np.int64)
     ranks = np.zeros(len(clusters), dtype=np.int64)
@@ -240,7 +245,7 @@ def encode_at(
         labels[cluster.members] = label
         count = len(cluster.members)
         root = math.sqrt(count)
-        rank = int((cluster.energies > step * step / 12.0 * (count + 3 * frames)).sum())
+        rank = int((cluster.energies > step * step / paying * (count + 3 * frames)).sum())
         modes = cluster.modes[:rank] * np.sqrt(cluster.energies[:rank])[:, None]
         targets = np.concatenate((root * cluster.mean[None], modes)) / step
         if np.abs(targets).max() > LARGEST:
@@ -249,10 +254,9 @@ def encode_at(
                 "The bound is too fine for coordinates of this size.",
                 "Allow a larger error, or move the motion nearer to the origin.",
             )
-        quantised = np.zeros((1 + rank, frames, 3), dtype=np.int64)
-        bases.code(cluster.cuts, quantised, targets.reshape(1 + rank, frames, 3))
+        levels = bases.code(cluster.cuts, 1 + rank, targets.reshape(1 + rank, frames, 3))
         ranks[label] = 1 + rank
-        flat = quantised.reshape(1 + rank, -1).astype(np.float64)
+        flat = 0.5 * levels.reshape(1 + rank, -1).astype(np.float64)
         moved = cluster.trajectories + (cluster.mean - flat[0] * (step / root))
         flat = flat[1:]
         used = np.asarray(flat.any(axis=1))
@@ -260,9 +264,9 @@ def encode_at(
         # the fields are fitted anew to the bases as a decoder will have them
         wanted, carry = fitted(flat, used, moved)
         functions = np.zeros((frames, 1 + rank, 3))
-        functions_of_time(cluster.cuts, quantised, functions)
+        functions_of_time(cluster.cuts, levels, functions)
         beside = cluster.border, done
-        decoded = fields.code_around_mean(cluster.tree, quantised, in_rows(functions), *beside, wanted / step, carry)
+        decoded = fields.code_around_mean(cluster.tree, levels, in_rows(functions), *beside, wanted / step, carry)
         done.append(DecodedCluster.of(decoded, functions))
         rest = moved - (decoded[1:].T * step) @ flat
         if once:
@@ -273,8 +277,8 @@ def encode_at(
     model = GroupModel(offset, step, sources, labels, ranks, tuple(c.cuts for c in clusters))
     sections = (
         (MODEL, model.pack(graph)),
-        (BASES, bases.stream.finished()),
-        (FIELDS, fields.stream.finished()),
+        (DEPENDENT_BASES if dependent else BASES, bases.stream.finished()),
+        (DEPENDENT_FIELDS if dependent else FIELDS, fields.stream.finished()),
     )
     return Encoded(step, sections, error, model)
 

@@ -17,7 +17,9 @@ from shapery_motion.trajectory import _model_kernels as kernels
 
 MODEL, BASES = "TMOD", "TBAS"
 FIELDS, SECOND_FIELDS, FIRST_FIELDS = "TFL3", "TFL2", "TFLD"
-"""The stream of fields as it is written, and as versions 1.1 and 1.0 of the format had it."""
+"""The stream of fields with plain quantisation, and as versions 1.1 and 1.0 of the format had it."""
+DEPENDENT_BASES, DEPENDENT_FIELDS = "TBA2", "TFL4"
+"""Both streams with dependent quantisation."""
 MAX_CLUSTERS: Final = 1 << 16
 MAX_RANK: Final = 4096
 FARTHEST: Final = 1e30

@@ -18,12 +18,28 @@ from shapery_motion.trajectory import _frame_kernels as kernels
 from shapery_motion.trajectory.borders import Border, DecodedCluster, in_rows, numbers_within
 from shapery_motion.trajectory.clustering import FEW, MANY, SHARE, Worth, find_clusters, share_of
 from shapery_motion.trajectory.encoding import LARGEST, Cluster, Encoded, encode_at, prepare
-from shapery_motion.trajectory.model import BASES, FARTHEST, FIELDS, FIRST_FIELDS, MODEL, SECOND_FIELDS, GroupModel
+from shapery_motion.trajectory.model import (
+    BASES,
+    DEPENDENT_BASES,
+    DEPENDENT_FIELDS,
+    FARTHEST,
+    FIELDS,
+    FIRST_FIELDS,
+    MODEL,
+    SECOND_FIELDS,
+    GroupModel,
+)
 from shapery_motion.trajectory.streams import BasisStream, FieldStream, PairingTree
 
 FloatArray = NDArray[np.float64]
 
-PART_NAMES: Final = {MODEL: "clusters", BASES: "bases", FIELDS: "fields"}
+PART_NAMES: Final = {
+    MODEL: "clusters",
+    BASES: "bases",
+    FIELDS: "fields",
+    DEPENDENT_BASES: "bases",
+    DEPENDENT_FIELDS: "fields",
+}
 TAIL: Final = 3.5
 """Where only the largest error is bounded, the root mean squared one is this many times smaller; vertices farther off
 are corrected one by one."""
@@ -31,7 +47,7 @@ FIRST: Final = 4.5
 """Squared step, in mean squared errors of a vertex, where the search for it begins."""
 SLOPE: Final = 0.39
 """By which power of the squared error the size falls, about: by 42 % from one error to twice the error."""
-COARSER: Final = (1.6, 2.5, 5.0)
+COARSER: Final = (2.0, 5.0)
 ONE_COARSER: Final = (2.5,)
 """Steps beside the one that is used, in its units, at which the report tells rate and error, when there is time and
 when there is none."""
@@ -39,8 +55,10 @@ OTHERS: Final = (0.6,)
 """Costs of modes beside the measured ones, in their units, by which clusters are sought."""
 LONG: Final = 64
 """Frames from which on it is worth the time to seek clusters from a second start."""
-PASSES: Final = 8
-NEAR: Final = 0.997
+COARSENED: Final = 1.08
+"""By how much the step may grow, about, when quantisation becomes dependent."""
+PASSES: Final = 7
+NEAR: Final = 0.998
 NEAR_ENOUGH: Final = 0.97
 """Share of the allowed squared error that is used up at least before the search for the step ends, when there is time
 and when there is none."""
@@ -76,7 +94,7 @@ def encode_group(task: GroupTask) -> EncodedGroup:
     known: Encoded | None = None
     for number, way in enumerate(ways):
         task.check_cancelled()
-        prepared = prepare(trajectories, graph, way, step, thorough=thorough)
+        prepared = prepare(trajectories, graph, way, step, thorough=True)
         if len(ways) > 1:
             made = encode_at(prepared, graph, step, offset=offset, sources=sources)
             # sizes at equal errors, as far as rates follow a power of the error
@@ -87,13 +105,17 @@ def encode_group(task: GroupTask) -> EncodedGroup:
         clusters = prepared
         task.on_progress(0.2 + 0.2 * (number + 1) / len(ways))
     task.on_progress(0.4)
+    if thorough:
+        # dependent quantisation errs less at the same step
+        step *= COARSENED * ((target / known.squared_error) ** (1.0 / 1.8) if known else 1.0)
+        known = None
     near = NEAR if thorough else NEAR_ENOUGH
     best: Encoded | None = None
     low, high = 0.0, math.inf
     slope, tried = 1.8, (0.0, 0.0)
     for number in range(PASSES):
         task.check_cancelled()
-        made = known or encode_at(clusters, graph, step, offset=offset, sources=sources)
+        made = known or encode_at(clusters, graph, step, offset=offset, sources=sources, dependent=thorough)
         known = None
         ratio = made.squared_error / target
         if ratio <= 1.0:
@@ -117,7 +139,7 @@ def encode_group(task: GroupTask) -> EncodedGroup:
     points = [(best.squared_error + lost, best.size)]
     for coarser in COARSER if thorough else ONE_COARSER:
         task.check_cancelled()
-        made = encode_at(clusters, graph, best.step * coarser, offset=offset, sources=sources)
+        made = encode_at(clusters, graph, best.step * coarser, offset=offset, sources=sources, dependent=thorough)
         points.append((made.squared_error + lost, made.size))
     return EncodedGroup(
         sections=best.sections,
@@ -181,15 +203,13 @@ def repeated_frames(frames: FloatArray, tolerance: float) -> tuple[NDArray[np.in
     """
     sources = np.zeros(len(frames), dtype=np.int64)
     kept: list[int] = []
-    marks = np.empty((len(frames), 3))
+    marks = frames.mean(axis=1)
     n = frames.shape[1]
     for f, frame in enumerate(frames):
-        marks[f] = frame.mean(axis=0)
-        for k, other in enumerate(kept):
-            # means that differ tell without looking at all vertices
-            if n * ((marks[f] - marks[other]) ** 2).sum() > tolerance:
-                continue
-            if ((frame - frames[other]) ** 2).sum() <= tolerance:
+        # means that differ tell without looking at all vertices
+        away = n * ((marks[kept] - marks[f]) ** 2).sum(axis=1)
+        for k in np.flatnonzero(away <= tolerance).tolist():
+            if ((frame - frames[kept[k]]) ** 2).sum() <= tolerance:
                 sources[f] = k
                 break
         else:
@@ -223,25 +243,27 @@ def open_group(
     sections: Mapping[str, memoryview], frames: int, vertices: int, faces: IntArray, memory: int
 ) -> TrajectoryGroup:
     """Decode the streams of a group: see `shapery_motion.profiles.Profile`."""
-    tag = next((tag for tag in (FIELDS, SECOND_FIELDS, FIRST_FIELDS) if tag in sections), FIELDS)
-    for needed in (MODEL, BASES, tag):
+    dependent = DEPENDENT_FIELDS in sections
+    functions_tag = DEPENDENT_BASES if dependent else BASES
+    tag = next((t for t in (DEPENDENT_FIELDS, FIELDS, SECOND_FIELDS, FIRST_FIELDS) if t in sections), FIELDS)
+    for needed in (MODEL, functions_tag, tag):
         if needed not in sections:
             raise damaged(needed, "is missing")
     graph = VertexGraph.of_faces(vertices, faces)
     model = GroupModel.unpack(sections[MODEL], frames, graph, memory)
-    basis_stream, field_stream = BasisStream(data=sections[BASES]), FieldStream(data=sections[tag])
+    basis_stream = BasisStream(data=sections[functions_tag], dependent=dependent)
+    field_stream = FieldStream(data=sections[tag], dependent=dependent)
     scratch = np.full(vertices, -1, dtype=np.int64)
     local = numbers_within(model.labels, model.members)
     fields: list[FloatArray] = []
     bases: list[FloatArray] = []
     done: list[DecodedCluster] = []
     for members, rank, cuts in zip(model.members, model.ranks.tolist(), model.cuts, strict=True):
-        quantised = np.zeros((rank, model.kept, 3), dtype=np.int64)
-        basis_stream.code(cuts, quantised)
+        levels = basis_stream.code(cuts, rank)
         functions = np.zeros((model.kept, rank, 3))
-        kernels.functions_of_time(cuts, quantised, functions)
+        kernels.functions_of_time(cuts, levels, functions)
         bases.append(functions)
-        basis_stream.stream.check_end(BASES)
+        basis_stream.stream.check_end(functions_tag)
         tree = PairingTree.of_members(graph, members, scratch)
         if tag == FIRST_FIELDS:
             found = field_stream.code(tree, rank)
@@ -250,7 +272,7 @@ def open_group(
             if tag == SECOND_FIELDS:
                 found = field_stream.code(tree, rank, beside=border.predict(done, rows))
             else:
-                found = field_stream.code_around_mean(tree, quantised, rows, border, done)
+                found = field_stream.code_around_mean(tree, levels, rows, border, done)
             done.append(DecodedCluster.of(found, functions))
         field_stream.stream.check_end(tag)
         fields.append(found * model.step)

@@ -9,18 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapery_motion.entropy._coder_kernels import BINS
-from shapery_motion.entropy.stream import Stream
+from shapery_motion.entropy.stream import PACE, Stream
 from shapery_motion.graph import VertexGraph
-from shapery_motion.trajectory import _basis_kernels, _field_kernels
-from shapery_motion.trajectory._field_kernels import SCALES
+from shapery_motion.trajectory import _basis_kernels, _field_kernels, _level_kernels
 from shapery_motion.trajectory._tree_kernels import pairing_tree
 from shapery_motion.trajectory.borders import Border, DecodedCluster
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-ROWS: Final = 8
-"""Sets of mixing weights in either stream."""
+DEPENDENT_PACE: Final = 12
+"""How fast the mixer learns in the streams of dependent quantisation."""
 COSTS: Final[FloatArray] = np.array([-np.log2(max(k, 0.5) / 4096) for k in range(4097)])
 """Bits of a decision by its probability in 1/4096, for estimates."""
 _NO_TARGETS: Final[FloatArray] = np.zeros((0, 0))
@@ -80,23 +79,42 @@ def _subgraph(graph: VertexGraph, members: IntArray, local: IntArray) -> tuple[I
     return starts, targets[inside].astype(np.int32)
 
 
-class BasisStream:
-    """Stream TBAS."""
+def _places(sizes: IntArray, dependent: bool) -> IntArray:
+    """Return where the contexts of each kind begin: one row, or one for each of two quantisers."""
+    first = np.concatenate(([0], np.cumsum(sizes)[:-1]))
+    return np.stack([first, first + sizes.sum()]) if dependent else first[None]
 
-    def __init__(self, *, data: memoryview | None = None, room: int = 0, trade: float = 0.0) -> None:
+
+class BasisStream:
+    """Streams TBAS and, with dependent quantisation, TBA2."""
+
+    def __init__(
+        self, *, data: memoryview | None = None, room: int = 0, trade: float = 0.0, dependent: bool = False
+    ) -> None:
         sizes = _basis_kernels.BASIS_SIZES
+        self._places = _places(sizes, dependent)
+        sets = len(self._places)
         self._stream = Stream(
-            int(sizes.sum()) * BINS + _basis_kernels.SIGN_SLOTS, (ROWS + SCALES) * BINS, data=data, room=room
+            sets * int(sizes.sum()) * BINS + _basis_kernels.SIGN_SLOTS,
+            sets * _basis_kernels.MIXER_ROWS * BINS,
+            data=data,
+            room=room,
+            pace=DEPENDENT_PACE if dependent else PACE,
         )
-        self._bases = np.concatenate(([0], np.cumsum(sizes)[:-1]))
         self._trade = trade
 
-    def code(self, cuts: IntArray, quantised: IntArray, targets: FloatArray = _EMPTY) -> None:
-        """Code the bases of a cluster: fill `quantised` (rank, F, 3), from `targets` or from the stream."""
+    def code(self, cuts: IntArray, rank: int, targets: FloatArray = _EMPTY) -> IntArray:
+        """Code the bases of a cluster; return their coefficients (rank, F, 3) in half steps.
+
+        Encoding, `targets` (rank, F, 3) are what they should be, in steps.
+        """
         stream = self._stream
+        quantised = np.zeros((rank, int(cuts[-1]), 3), dtype=np.int64)
+        levels = np.zeros_like(quantised)
         _basis_kernels.code_bases(
-            *stream.parts, stream.weights, self._bases, cuts, len(quantised), targets, quantised, COSTS, self._trade
+            *stream.parts, stream.weights, self._places, cuts, rank, targets, quantised, levels, COSTS, self._trade
         )
+        return levels
 
     @property
     def stream(self) -> Stream:
@@ -105,12 +123,21 @@ class BasisStream:
 
 
 class FieldStream:
-    """Streams TFLD, TFL2 and TFL3."""
+    """Streams TFLD, TFL2, TFL3 and, with dependent quantisation, TFL4."""
 
-    def __init__(self, *, data: memoryview | None = None, room: int = 0, trade: float = 0.0) -> None:
-        sizes = _field_kernels.FIELD_SIZES
-        self._stream = Stream(int(sizes.sum()) * BINS, (ROWS + SCALES) * BINS, data=data, room=room)
-        self._bases = np.concatenate(([0], np.cumsum(sizes)[:-1]))
+    def __init__(
+        self, *, data: memoryview | None = None, room: int = 0, trade: float = 0.0, dependent: bool = False
+    ) -> None:
+        sizes = _level_kernels.FIELD_SIZES
+        self._places = _places(sizes, dependent)
+        sets = len(self._places)
+        self._stream = Stream(
+            sets * int(sizes.sum()) * BINS,
+            sets * _level_kernels.MIXER_ROWS * BINS,
+            data=data,
+            room=room,
+            pace=DEPENDENT_PACE if dependent else PACE,
+        )
         self._trade = trade
 
     def code(
@@ -133,7 +160,7 @@ class FieldStream:
             _field_kernels.code_fields(
                 *stream.parts,
                 stream.weights,
-                self._bases,
+                self._places,
                 *tree.parts,
                 *beside,
                 targets,
@@ -149,7 +176,7 @@ class FieldStream:
     def code_around_mean(
         self,
         tree: PairingTree,
-        quantised: IntArray,
+        levels: IntArray,
         functions: FloatArray,
         border: Border,
         before: list[DecodedCluster],
@@ -162,8 +189,8 @@ class FieldStream:
         ----------
         tree
             Of the cluster.
-        quantised : (r, F, 3)
-            Cosine coefficients of its functions; of the first, in steps divided by the root of n.
+        levels : (r, F, 3)
+            Cosine coefficients of its functions; of the first, in half steps divided by the root of n.
         functions : (r, 3 F)
             The functions, of unit norm or 0.
         border, before
@@ -171,13 +198,13 @@ class FieldStream:
         targets, carry
             Without the mean: see `code`.
         """
-        fields = np.zeros((len(quantised), tree.vertices))
-        if len(quantised):
-            first = quantised[0].reshape(-1).astype(np.float64)
+        fields = np.zeros((len(levels), tree.vertices))
+        if len(levels):
+            first = 0.5 * levels[0].reshape(-1)
             # one after the other, as every decoder adds them
             fields[0] = np.sqrt(np.cumsum(first * first)[-1]) / np.sqrt(tree.vertices)
             beside = border.predict(before, functions[1:], fields[0, 0] * functions[0])
-            fields[1:] = self.code(tree, len(quantised) - 1, targets, beside, carry)
+            fields[1:] = self.code(tree, len(levels) - 1, targets, beside, carry)
         return fields
 
     @property

@@ -1,11 +1,14 @@
 import type { Beside } from "./borders";
 import { LinkWeights, type Outside, type PairingTree } from "./pairing";
 import { BINS, bits, type RangeDecoder } from "./rangeCoder";
+import { Trellis } from "./trellis";
 
 /** How many contexts there are of each kind, and where each kind begins: section 5.2 of api_schema/smc.md. */
 const KINDS = [288, 256, 256, 256, 128, 768, 256, 256];
 const BASES = KINDS.map((_, kind) => KINDS.slice(0, kind).reduce((sum, size) => sum + size, 0));
-export const FIELD_SLOTS = KINDS.reduce((sum, size) => sum + size, 0) * BINS;
+const CONTEXTS = KINDS.reduce((sum, size) => sum + size, 0);
+/** Of a stream with plain quantisation; of one with dependent quantisation twice as many. */
+export const FIELD_SLOTS = CONTEXTS * BINS;
 export const FIELD_ROWS = 24;
 
 export function scale(x: number): number {
@@ -39,6 +42,7 @@ export function decodeFields(
   tree: PairingTree,
   rank: number,
   beside: Beside | null,
+  dependent: boolean,
 ): Float64Array {
   const { children, levels, sizes, parents, links, linkStarts } = tree;
   const outside = beside && spread(tree, beside);
@@ -51,10 +55,12 @@ export function decodeFields(
   const means = new Float64Array(n + pairs);
   const fields = new Float64Array(rank * n);
   const nothing = new Int32Array(pairs + 1);
-  // Magnitudes of this mode and of the three before it.
-  let [now, e1s, e2s, e3s] = [nothing, nothing, nothing, nothing];
+  // Magnitudes of this mode and of the modes before it, the latest first.
+  let now = nothing;
+  let earlier: Int32Array[] = [];
+  const trellis = new Trellis(dependent);
   const { contexts } = decoder;
-  const context = (kind: number, at: number) => (contexts[kind] = (BASES[kind] ?? 0) + at);
+  const context = (kind: number, at: number) => (contexts[kind] = (BASES[kind] ?? 0) + at + trellis.odd * CONTEXTS);
 
   const optimum = (pair: number, center: number): number => {
     const sizeA = sizes[children[2 * pair] ?? 0] ?? 0;
@@ -100,6 +106,8 @@ export function decodeFields(
 
   for (let mode = 0; mode < rank; mode += 1) {
     now = new Int32Array(pairs + 1);
+    const [e1s = nothing, e2s = nothing, e3s = nothing] = earlier;
+    trellis.restart();
     const running = new Float64Array(12).fill(64);
     const modeSmall = Math.min(mode, 23);
     for (let d = 0; d < 12; d += 1) {
@@ -164,17 +172,25 @@ export function decodeFields(
         const prior = width > 0 ? scale(Math.floor((4 * past) / width)) : 0;
         const mean = scale(Math.floor((running[depth] ?? 0) / 16));
         const around = count > 0 ? Math.floor((8 * near) / count) : 4 * up;
-        const blend = scale(Math.floor(around / 4) + up + e1 + Math.floor(e2 / 2));
+        let long = 0;
+        if (dependent && earlier.length) {
+          for (const mode of earlier) long += mode[pair] ?? 0;
+          long = Math.floor((8 * long) / earlier.length);
+        }
+        const blend = scale(Math.floor(around / 4) + up + e1 + Math.floor(e2 / 2) + Math.floor(long / 8));
         context(0, 24 * depth + modeSmall);
         context(1, 16 * beside + depth);
         context(2, 16 * scale(4 * e1) + scale(2 * (e2 + e3)));
         context(3, 16 * scale(4 * up) + beside);
         context(4, 8 * blend + Math.min(depth, 7));
         context(5, 3 * (16 * mean + beside) + Math.min(e1, 2));
-        context(6, 4 * Math.min(mode, 63) + Math.min(depth, 3));
+        if (dependent) context(6, 16 * scale(long) + beside);
+        else context(6, 4 * Math.min(mode, 63) + Math.min(depth, 3));
         context(7, 16 * prior + mean);
-        const given = decoder.value(1 + Math.min(depth, 6), 8 + blend, -1);
-        const magnitude = Math.abs(given);
+        const rows = trellis.odd * FIELD_ROWS;
+        const coded = decoder.value(rows + 1 + Math.min(depth, 6), rows + 8 + blend, -1);
+        const given = 0.5 * trellis.level(coded);
+        const magnitude = Math.abs(coded);
         now[pair] = magnitude;
         const m = running[depth] ?? 0;
         running[depth] = m + Math.floor((256 * magnitude - 4 * m + 32) / 64);
@@ -187,7 +203,7 @@ export function decodeFields(
     fields.set(means.subarray(0, n), mode * n);
     if (mode < (outside ? 24 : 3)) weights.add(means);
     if (outside ? GUIDES.includes(mode + 1) : mode === 2) weights.update();
-    [e1s, e2s, e3s] = [now, e1s, e2s];
+    earlier = [now, ...earlier.slice(0, 7)];
   }
   return fields;
 }

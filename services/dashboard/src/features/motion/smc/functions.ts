@@ -1,11 +1,14 @@
 import { scale } from "./fields";
 import { BINS, bits, type RangeDecoder } from "./rangeCoder";
+import { Trellis } from "./trellis";
 
 /** How many contexts there are of each kind, and where each kind begins: section 5.1 of api_schema/smc.md. */
 const KINDS = [480, 256, 256, 256, 320, 768, 384, 256];
 const BASES = KINDS.map((_, kind) => KINDS.slice(0, kind).reduce((sum, size) => sum + size, 0));
-const SIGNS = KINDS.reduce((sum, size) => sum + size, 0) * BINS;
-export const FUNCTION_SLOTS = SIGNS + 72;
+const CONTEXTS = KINDS.reduce((sum, size) => sum + size, 0);
+/** Of a stream with plain quantisation; of one with dependent quantisation twice as many, but for the signs. */
+export const FUNCTION_SLOTS = CONTEXTS * BINS;
+export const SIGN_SLOTS = 72;
 export const FUNCTION_ROWS = 24;
 
 function band(f: number): number {
@@ -17,15 +20,19 @@ function band(f: number): number {
 export interface Functions {
   /** `frames` · `rank` · 3 values: where mode i stands at frame t is 3 (t · rank + i). */
   values: Float64Array;
-  /** The norm of the first mode's coefficients. */
+  /** The norm of the first mode's coefficients, in steps. */
   first: number;
 }
 
 /** Decode a cluster's functions of time. */
-export function decodeFunctions(decoder: RangeDecoder, runs: readonly number[], rank: number): Functions {
+export function decodeFunctions(
+  decoder: RangeDecoder,
+  runs: readonly number[],
+  rank: number,
+  dependent: boolean,
+): Functions {
   const frames = runs.reduce((sum, length) => sum + length, 0);
-  const coefficients = new Int32Array(rank * frames * 3);
-  decodeCoefficients(decoder, runs, rank, frames, coefficients);
+  const coefficients = decodeCoefficients(decoder, runs, rank, frames, dependent);
   const values = new Float64Array(frames * rank * 3);
   const norms = Float64Array.from({ length: rank }, (_, mode) => {
     let total = 0;
@@ -52,7 +59,7 @@ export function decodeFunctions(decoder: RangeDecoder, runs: readonly number[], 
     }
     first += length;
   }
-  return { values, first: norms[0] ?? 0 };
+  return { values, first: 0.5 * (norms[0] ?? 0) };
 }
 
 function decodeCoefficients(
@@ -60,13 +67,18 @@ function decodeCoefficients(
   runs: readonly number[],
   rank: number,
   frames: number,
-  q: Int32Array,
-): void {
+  dependent: boolean,
+): Int32Array {
+  const q = new Int32Array(rank * frames * 3);
+  const levels = new Int32Array(q.length);
+  const trellis = new Trellis(dependent);
+  const signs = (dependent ? 2 : 1) * FUNCTION_SLOTS;
   const { contexts } = decoder;
-  const context = (kind: number, at: number) => (contexts[kind] = (BASES[kind] ?? 0) + at);
+  const context = (kind: number, at: number) => (contexts[kind] = (BASES[kind] ?? 0) + at + trellis.odd * CONTEXTS);
   const running = new Float64Array(20);
   for (let mode = 0; mode < rank; mode += 1) {
     for (let b = 0; b < 20; b += 1) running[b] = mode === 0 ? 64 : Math.floor(((running[b] ?? 0) + 64) / 2);
+    trellis.restart();
     let first = 0;
     for (const length of runs) {
       /** The magnitude of mode `i` at frequency `f` of this run; 0 where there is none. */
@@ -95,7 +107,14 @@ function decodeCoefficients(
           if (f > 0) cross = scale(Math.floor((4 * (beside + around)) / 3));
           else if (x > 0) cross = scale(Math.floor((4 * beside) / x));
           const mean = scale(Math.floor((running[at] ?? 0) / 16));
-          const sum = 2 * low1 + low2 + 2 * beside + around + e1 + all1 + Math.floor(all2 / 2) + Math.floor(ahead / 2);
+          let sum = 2 * low1 + low2 + 2 * beside + around + e1 + all1 + Math.floor(all2 / 2) + Math.floor(ahead / 2);
+          let long = 0;
+          if (dependent && mode > 0) {
+            const many = Math.min(mode, 8);
+            for (let i = mode - many; i < mode; i += 1) long += 2 * whole(i, f) + whole(i, f - 1) + whole(i, f + 1);
+            long = Math.floor(long / (3 * many));
+            sum += Math.floor(long / 2);
+          }
           const blend = scale(Math.floor(sum / 2));
           context(0, 24 * at + Math.min(mode, 23));
           context(1, 16 * near + cross);
@@ -103,11 +122,14 @@ function decodeCoefficients(
           context(3, 16 * scale(Math.floor((4 * all1) / 3)) + cross);
           context(4, 20 * blend + at);
           context(5, 3 * (16 * mean + cross) + x);
-          context(6, 6 * Math.min(mode, 63) + Math.min(Math.floor(at / 3), 5));
+          if (dependent) context(6, 16 * scale(long) + cross);
+          else context(6, 6 * Math.min(mode, 63) + Math.min(Math.floor(at / 3), 5));
           context(7, 16 * scale(Math.floor((4 * (all1 + all2 + ahead)) / 9)) + mean);
-          const slot = SIGNS + 9 * Math.min(f, 7) + 3 * sign(f - 1, x) + sign(f - 2, x);
-          const value = decoder.value(Math.min(Math.floor(at / 2), 7), 8 + blend, slot);
+          const slot = signs + 9 * Math.min(f, 7) + 3 * sign(f - 1, x) + sign(f - 2, x);
+          const rows = trellis.odd * FUNCTION_ROWS;
+          const value = decoder.value(rows + Math.min(Math.floor(at / 2), 7), rows + 8 + blend, slot);
           q[(mode * frames + first + f) * 3 + x] = value;
+          levels[(mode * frames + first + f) * 3 + x] = trellis.level(value);
           const m = running[at] ?? 0;
           running[at] = m + Math.floor((256 * Math.abs(value) - 4 * m + 32) / 64);
         }
@@ -115,4 +137,5 @@ function decodeCoefficients(
       first += length;
     }
   }
+  return levels;
 }

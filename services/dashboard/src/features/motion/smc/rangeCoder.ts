@@ -42,12 +42,14 @@ export class RangeDecoder {
   readonly #probabilities: Int32Array;
   readonly #counts: Uint8Array;
   readonly #weights: Float64Array;
+  readonly #pace: number;
   readonly #logits = new Int32Array(CONTEXTS);
   /** The contexts of the next `value`. */
   readonly contexts = new Int32Array(CONTEXTS);
 
-  constructor(bytes: Uint8Array, slots: number, mixerRows = 0) {
+  constructor(bytes: Uint8Array, slots: number, mixerRows = 0, pace = 8) {
     this.#bytes = bytes;
+    this.#pace = pace;
     this.#probabilities = new Int32Array(slots).fill(HALF);
     this.#counts = new Uint8Array(slots);
     this.#weights = new Float64Array(mixerRows * BINS * 9).fill(6553);
@@ -128,7 +130,7 @@ export class RangeDecoder {
     const x = Math.min(Math.max(Math.floor(sum / 65536), -2048), 2047);
     const p = Math.min(Math.max(SQUASH[x + 2048] ?? HALF, 32), 65504);
     const bit = this.#decode(p);
-    const e = ((bit ? 65536 : 0) - p) * 8;
+    const e = ((bit ? 65536 : 0) - p) * this.#pace;
     for (let k = 0; k < CONTEXTS; k += 1) {
       const g = Math.floor(((logits[k] ?? 0) * e + 524288) / 1048576);
       weights[u + k] = (weights[u + k] ?? 0) + g;

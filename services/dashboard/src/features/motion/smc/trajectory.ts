@@ -1,10 +1,11 @@
 import { type Decoded, inRows, lookBeyond } from "./borders";
 import { CorruptMotion } from "./container";
 import { decodeFields, FIELD_ROWS, FIELD_SLOTS } from "./fields";
-import { decodeFunctions, FUNCTION_ROWS, FUNCTION_SLOTS } from "./functions";
+import { decodeFunctions, FUNCTION_ROWS, FUNCTION_SLOTS, SIGN_SLOTS } from "./functions";
 import { type Graph, subgraph } from "./graph";
 import { pairingTree } from "./pairing";
 import { RangeDecoder } from "./rangeCoder";
+import { DEPENDENT_PACE } from "./trellis";
 
 /** Slots of TMOD: section 5 of api_schema/smc.md. */
 const FRAME = 0;
@@ -14,8 +15,8 @@ const RUNS = RANK + 64;
 const LENGTH = RUNS + 64;
 const MODEL_SLOTS = LENGTH + 64;
 
-/** The streams of fields of versions 1.2, 1.1 and 1.0. */
-const EDITIONS = ["TFL3", "TFL2", "TFLD"];
+/** The streams of fields: with dependent quantisation, and as versions 1.2, 1.1 and 1.0 have them. */
+const EDITIONS = ["TFL4", "TFL3", "TFL2", "TFLD"];
 
 interface Cluster {
   members: Int32Array;
@@ -79,10 +80,15 @@ export class TrajectoryGroup {
     );
     if (needed > memory) throw new CorruptMotion("TMOD", "asks for more memory than the header tells");
 
-    const time = new RangeDecoder(section("TBAS"), FUNCTION_SLOTS, FUNCTION_ROWS);
-    const functions = named("TBAS", () => model.runs.map((runs, k) => decodeFunctions(time, runs, ranks[k] ?? 0)));
     const tag = EDITIONS.find((edition) => sections.has(edition)) ?? "TFL3";
-    const space = new RangeDecoder(section(tag), FIELD_SLOTS, FIELD_ROWS);
+    const dependent = tag === "TFL4";
+    const [sets, pace] = dependent ? [2, DEPENDENT_PACE] : [1, undefined];
+    const basesTag = dependent ? "TBA2" : "TBAS";
+    const time = new RangeDecoder(section(basesTag), sets * FUNCTION_SLOTS + SIGN_SLOTS, sets * FUNCTION_ROWS, pace);
+    const functions = named(basesTag, () =>
+      model.runs.map((runs, k) => decodeFunctions(time, runs, ranks[k] ?? 0, dependent)),
+    );
+    const space = new RangeDecoder(section(tag), sets * FIELD_SLOTS, sets * FIELD_ROWS, pace);
     const place = new Int32Array(vertices);
     for (const some of members) some.forEach((v, index) => (place[v] = index));
     const done: Decoded[] = [];
@@ -92,19 +98,19 @@ export class TrajectoryGroup {
         const { values, first } = functions[k] ?? { values: new Float64Array(0), first: 0 };
         const tree = pairingTree(subgraph(graph, some, place, model.labels));
         if (tag === "TFLD")
-          return { members: some, rank, fields: decodeFields(space, tree, rank, null), functions: values };
+          return { members: some, rank, fields: decodeFields(space, tree, rank, null, false), functions: values };
         const rows = inRows(values, rank);
         const n = some.length;
         const fields = new Float64Array(rank * n);
-        // in the third edition the first function is the cluster's mean trajectory
-        const means = tag === "TFL3" ? Math.min(rank, 1) : 0;
+        // from the third edition on the first function is the cluster's mean trajectory
+        const means = tag === "TFL3" || dependent ? Math.min(rank, 1) : 0;
         const length = rank > 0 ? rows.length / rank : 0;
         const level = first / Math.sqrt(n);
         const mean = rows.subarray(0, means * length).map((value) => level * value);
         const others = rows.subarray(means * length);
         const beside = lookBeyond(graph, some, model.labels, place, done, rank - means, others, mean);
         if (means) fields.fill(level, 0, n);
-        if (rank > means) fields.set(decodeFields(space, tree, rank - means, beside), means * n);
+        if (rank > means) fields.set(decodeFields(space, tree, rank - means, beside, dependent), means * n);
         done.push({ rank, vertices: n, fields, rows });
         return { members: some, rank, fields, functions: values };
       }),
