@@ -18,7 +18,7 @@ FOLDER = Path(__file__).parent / "trajectory-{}.{}".format(*VERSION)
 CASES = {
     "waving": ("waving", MotionEncodeParams(kg=0.2, fps=24.0, unit="m", name="waving")),
     "double": ("double precision", MotionEncodeParams(kg=0.05)),
-    "corrected": ("flips", MotionEncodeParams(max_error=0.003, group_frames=8)),
+    "corrected": ("flips", MotionEncodeParams(max_error=0.006, group_frames=8)),
     "bodies": ("41 components", MotionEncodeParams(kg=0.3)),
     "repeated": ("repeated frames", MotionEncodeParams(rmse=0.02)),
     "degenerate": ("degenerate and repeated faces", MotionEncodeParams(kg=0.5, preset="fast")),
