@@ -1,7 +1,8 @@
 """``python -m benchmarks.motion``: measure, and write ``benchmarks/results/motion*``.
 
 Every sequence and method is measured in a process of its own, one after the other, and what was measured is kept in
-``benchmarks/results/motion/`` at once: a run that was stopped goes on where it was. ``--again`` forgets what is kept.
+``benchmarks/results/motion/`` at once: a run that was stopped goes on where it was. ``--again`` forgets what is kept of
+the methods and sequences asked for. A fresh checkout begins with what ``benchmarks/results/motion.json`` tells.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from benchmarks.motion.subspaces import clustered_pca, shape_pca, trajectory_pca
 from shapery_motion.errors import sequence_errors
 
 KEPT = RESULTS / "motion"
+PARTS = ("rates", "growth", "chapter")
 SEQUENCES = ("crane", "chickenCrossing", "horse-gallop", "pdance", "pcow", "mmface4d-3k")
 
 METHODS: dict[str, Method] = {
@@ -107,6 +109,7 @@ def main() -> None:
     parser.add_argument("--methods", default=",".join([*METHODS, *BASELINES]))
     parser.add_argument("--targets", default=",".join(map(str, TARGETS)), help="KG errors in percent")
     parser.add_argument("--again", action="store_true", help="measure anew what was measured before")
+    parser.add_argument("--parts", default=",".join(PARTS), help="what to measure: any of these, by commas")
     parser.add_argument("--report", action="store_true", help="measure nothing, write the report only")
     parser.add_argument("--child", nargs=2, metavar=("SEQUENCE", "METHOD"), help=argparse.SUPPRESS)
     options = parser.parse_args()
@@ -115,9 +118,13 @@ def main() -> None:
     if options.child:
         child(*options.child, targets)
         return
+    report.restore(KEPT)
     if not (options.report or DATA.is_dir()):
         raise SystemExit("the shared data is not beside this checkout (set SHAPERY_TEST_DATA to its folder)")
-    if not options.report:
+    parts = set() if options.report else set(options.parts.split(","))
+    if not parts <= set(PARTS):
+        parser.error(f"parts are {', '.join(PARTS)}")
+    if "rates" in parts:
         for name in options.sequences.split(","):
             for method in options.methods.split(","):
                 if options.again:
@@ -127,12 +134,12 @@ def main() -> None:
                 print(name, method, flush=True)
                 command = [sys.executable, "-m", "benchmarks.motion", "--targets", options.targets]
                 subprocess.run([*command, "--child", name, method], check=True)
-        if options.again or not growth.KEPT.exists():
-            print("growth", flush=True)
-            growth.measure()
-        if options.again or not chapter.complete():
-            print("chapter 5", flush=True)
-            chapter.measure()
+    if "growth" in parts and (options.again or not growth.KEPT.exists()):
+        print("growth", flush=True)
+        growth.measure()
+    if "chapter" in parts and (options.again or not chapter.complete()):
+        print("chapter 5", flush=True)
+        chapter.measure()
     if not any(KEPT.glob("*.*.json")):
         raise SystemExit(f"nothing is kept in {KEPT.relative_to(ROOT)} to report on")
     report.write(KEPT)

@@ -84,6 +84,19 @@ def write(kept: Path) -> None:
         errors_over_clusters(RESULTS / "motion-figure-5-8.png", over)
 
 
+def restore(kept: Path) -> None:
+    """Fill an empty folder of what is kept from the report in `motion.json`: a fresh checkout has the latter alone."""
+    told = _read(RESULTS / "motion.json")
+    if told is None or any(kept.glob("*.json")):
+        return
+    parts = {
+        f"{name}.{method}": found for name, methods in told["sequences"].items() for method, found in methods.items()
+    }
+    for name, found in {**parts, "growth": told["growth"], "figures": told["figures"]}.items():
+        if found:
+            (kept / f"{name}.json").write_text(json.dumps(found, indent=1) + "\n")
+
+
 def _read(place: Path) -> Any:
     return json.loads(place.read_text()) if place.exists() else None
 
