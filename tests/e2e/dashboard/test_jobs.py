@@ -143,6 +143,15 @@ def test_pages_and_filters(open_page: OpenPage, api: httpx.Client) -> None:
         return [str(name) for name in rows.evaluate_all("rows => rows.map(row => row.dataset.job)")]
 
     assert shown() == listed[:25]
+    # the page is sorted by a column, the other way around, and as it was; the keyboard does it, too
+    created = page.get_by_role("columnheader", name="Created")
+    created.get_by_role("button").press("Enter")
+    assert created.get_attribute("aria-sort") == "ascending"
+    assert shown() == listed[:25][::-1]
+    created.get_by_role("button").press("Enter")
+    assert (created.get_attribute("aria-sort"), shown()) == ("descending", listed[:25])
+    created.get_by_role("button").press("Enter")
+    assert (created.get_attribute("aria-sort"), shown()) == ("none", listed[:25])
     page.get_by_role("button", name="Older").click()
     row_of(page, listed[25]).wait_for()
     assert shown() == listed[25:50]
@@ -160,6 +169,10 @@ def test_pages_and_filters(open_page: OpenPage, api: httpx.Client) -> None:
     assert set(states) <= {"cancelled"}
     page.go_back()
     row_of(page, listed[0]).wait_for()
+    page.get_by_role("combobox", name="Show jobs of one kind").click()
+    page.get_by_role("option", name="Compression", exact=True).click()
+    page.wait_for_url("**/jobs?kind=motion-encode")
+    row_of(page, listed[0]).wait_for(state="detached")
 
 
 def test_says_when_the_server_does_not_answer(open_page: OpenPage, platform: Embedded, probe: Probe) -> None:

@@ -12,6 +12,7 @@ import type { Asset, Job, JobCreate, JobEvent, JobState, Readiness } from "./typ
 
 export interface JobFilter {
   state?: JobState | undefined;
+  kind?: string | undefined;
   cursor?: string | undefined;
   batch?: string | undefined;
 }
@@ -77,6 +78,7 @@ export const jobsQuery = (filter: JobFilter) =>
             query: {
               limit: PAGE_SIZE,
               ...(filter.state ? { state: filter.state } : {}),
+              ...(filter.kind ? { kind: filter.kind } : {}),
               ...(filter.cursor ? { cursor: filter.cursor } : {}),
               ...(filter.batch ? { batch_id: filter.batch } : {}),
             },

@@ -32,6 +32,7 @@ const start = createRoute({
 
 export interface JobsSearch {
   state?: JobState;
+  kind?: string;
   cursor?: string;
 }
 
@@ -40,6 +41,7 @@ export const jobsRoute = createRoute({
   path: "/jobs",
   validateSearch: (search: Record<string, unknown>): JobsSearch => ({
     ...(JOB_STATES.includes(search.state as JobState) ? { state: search.state as JobState } : {}),
+    ...(typeof search.kind === "string" ? { kind: search.kind } : {}),
     ...(typeof search.cursor === "string" ? { cursor: search.cursor } : {}),
   }),
   component: lazyRouteComponent(() => import("@/features/jobs/JobsPage"), "JobsPage"),

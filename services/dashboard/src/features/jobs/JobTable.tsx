@@ -1,4 +1,6 @@
-import { Box, Group, Progress, Table, Text } from "@mantine/core";
+import { Box, Group, Progress, Table, type TableThProps, Text, UnstyledButton } from "@mantine/core";
+import { ArrowDown, ArrowUp, ArrowUpDown } from "lucide-react";
+import { useState } from "react";
 import { type Asset, isTerminal, type Job } from "@/api/types";
 import { LinkAnchor } from "@/app/links";
 import { useNow } from "@/app/useNow";
@@ -6,6 +8,7 @@ import { ago, capital, duration, moment, percent } from "@/format/format";
 import { JobActions } from "./JobActions";
 import classes from "./jobs.module.css";
 import { jobName, outcome, workName } from "./naming";
+import { type Column, type Order, sorted } from "./sorting";
 import { StateBadge } from "./StateBadge";
 
 interface JobTableProps {
@@ -18,32 +21,54 @@ interface JobTableProps {
 /** Jobs, one a row, with how they are now. */
 export function JobTable({ jobs, assets, stale }: JobTableProps) {
   const now = useNow(jobs.some((job) => !isTerminal(job.state)) ? 1_000 : 30_000);
+  const [order, setOrder] = useState<Order | null>(null);
   return (
     <Box className={classes.frame} aria-busy={stale}>
       <Table highlightOnHover verticalSpacing="sm" horizontalSpacing="md" className={classes.table ?? ""}>
         <Table.Thead>
           <Table.Tr>
-            <Table.Th>Job</Table.Th>
-            <Table.Th w={130}>State</Table.Th>
+            <Head by="name" label="Job" order={order} onOrder={setOrder} />
+            <Head by="state" label="State" order={order} onOrder={setOrder} w={130} />
             <Table.Th w="36%">Progress and outcome</Table.Th>
-            <Table.Th w={116} visibleFrom="md">
-              Took
-            </Table.Th>
-            <Table.Th w={150} visibleFrom="md">
-              Created
-            </Table.Th>
+            <Head by="took" label="Took" order={order} onOrder={setOrder} w={116} visibleFrom="md" />
+            <Head by="created" label="Created" order={order} onOrder={setOrder} w={150} visibleFrom="md" />
             <Table.Th w={110}>
               <span className={classes.unseen}>Actions</span>
             </Table.Th>
           </Table.Tr>
         </Table.Thead>
         <Table.Tbody>
-          {jobs.map((job) => (
+          {sorted(jobs, order, assets, now).map((job) => (
             <JobRow key={job.id} job={job} name={jobName(job, assets)} now={now} />
           ))}
         </Table.Tbody>
       </Table>
     </Box>
+  );
+}
+
+interface HeadProps extends Pick<TableThProps, "w" | "visibleFrom"> {
+  by: Column;
+  label: string;
+  order: Order | null;
+  onOrder: (order: Order | null) => void;
+}
+
+/** The head of a column that sorts what is on the page: upwards, downwards, and as it was. */
+function Head({ by, label, order, onOrder, ...others }: HeadProps) {
+  const own = order?.by === by ? order : null;
+  const Icon = own ? (own.descending ? ArrowDown : ArrowUp) : ArrowUpDown;
+  return (
+    <Table.Th aria-sort={own ? (own.descending ? "descending" : "ascending") : "none"} {...others}>
+      <UnstyledButton
+        className={classes.head ?? ""}
+        data-on={own !== null || undefined}
+        onClick={() => onOrder(own?.descending ? null : { by, descending: own !== null })}
+      >
+        {label}
+        <Icon size={13} aria-hidden="true" />
+      </UnstyledButton>
+    </Table.Th>
   );
 }
 

@@ -3,7 +3,7 @@ import { keepPreviousData, useQuery } from "@tanstack/react-query";
 import { getRouteApi, useNavigate } from "@tanstack/react-router";
 import { ArrowLeft, ArrowRight, ListChecks, Upload } from "lucide-react";
 import { useState } from "react";
-import { jobsQuery, useAssetNames } from "@/api/queries";
+import { jobsQuery, kindsQuery, useAssetNames } from "@/api/queries";
 import { isTerminal, JOB_STATES, type JobState } from "@/api/types";
 import { useLiveJobs } from "@/api/useLiveJobs";
 import { LinkButton } from "@/app/links";
@@ -11,7 +11,7 @@ import { Empty, Failure, Waiting } from "@/app/Notice";
 import { Page } from "@/app/Page";
 import { capital } from "@/format/format";
 import { JobTable } from "./JobTable";
-import { mainInput } from "./naming";
+import { mainInput, workName } from "./naming";
 
 /** A browser opens six connections to a host: two may stay open for events, the rest is for everything else. */
 const STREAMS = 2;
@@ -27,6 +27,7 @@ export function JobsPage() {
     placeholderData: keepPreviousData,
     refetchInterval: ({ state }) => (state.data?.items.some((job) => !isTerminal(job.state)) ? 2_000 : 5_000),
   });
+  const kinds = useQuery(kindsQuery);
   const items = jobs.data?.items ?? [];
   const active = items.filter((job) => !isTerminal(job.state));
   const running = active.filter((job) => job.state !== "queued");
@@ -35,11 +36,15 @@ export function JobsPage() {
   // Where the pages before this one began, for the way back; a page opened by its address knows only the first.
   const [trail, setTrail] = useState<readonly (string | undefined)[]>([]);
 
+  const state = search.state ? { state: search.state } : {};
+  const kind = search.kind ? { kind: search.kind } : {};
   const filter = (value: string) => {
     setTrail([]);
-    void navigate({
-      search: value === "all" ? {} : { state: value as JobState },
-    });
+    void navigate({ search: value === "all" ? kind : { ...kind, state: value as JobState } });
+  };
+  const filterKind = (value: string | null) => {
+    setTrail([]);
+    void navigate({ search: value ? { ...state, kind: value } : state });
   };
   const older = () => {
     setTrail([...trail, search.cursor]);
@@ -51,7 +56,7 @@ export function JobsPage() {
     const cursor = trail.at(-1);
     setTrail(trail.slice(0, -1));
     void navigate({
-      search: { ...(search.state ? { state: search.state } : {}), ...(cursor ? { cursor } : {}) },
+      search: { ...state, ...kind, ...(cursor ? { cursor } : {}) },
     });
   };
 
@@ -64,36 +69,49 @@ export function JobsPage() {
         </LinkButton>
       }
     >
-      <SegmentedControl
-        visibleFrom="sm"
-        size="sm"
-        mb="md"
-        aria-label="Show jobs that are"
-        data={FILTERS.map((value) => ({
-          value,
-          label: value === "all" ? "All" : capital(value),
-        }))}
-        value={search.state ?? "all"}
-        onChange={filter}
-      />
-      <Select
-        hiddenFrom="sm"
-        mb="md"
-        aria-label="Show jobs that are"
-        data={FILTERS.map((value) => ({
-          value,
-          label: value === "all" ? "All states" : capital(value),
-        }))}
-        allowDeselect={false}
-        value={search.state ?? "all"}
-        onChange={(value) => filter(value ?? "all")}
-      />
+      <Group mb="md" gap="sm">
+        <SegmentedControl
+          visibleFrom="sm"
+          size="sm"
+          aria-label="Show jobs that are"
+          data={FILTERS.map((value) => ({
+            value,
+            label: value === "all" ? "All" : capital(value),
+          }))}
+          value={search.state ?? "all"}
+          onChange={filter}
+        />
+        <Select
+          hiddenFrom="sm"
+          aria-label="Show jobs that are"
+          data={FILTERS.map((value) => ({
+            value,
+            label: value === "all" ? "All states" : capital(value),
+          }))}
+          allowDeselect={false}
+          value={search.state ?? "all"}
+          onChange={(value) => filter(value ?? "all")}
+        />
+        <Select
+          aria-label="Show jobs of one kind"
+          placeholder="All kinds"
+          size="sm"
+          w={170}
+          clearable
+          data={(kinds.data ?? []).map(({ name }) => ({ value: name, label: workName(name) }))}
+          value={search.kind ?? null}
+          onChange={filterKind}
+        />
+      </Group>
       {jobs.isPending ? (
         <Waiting label="Loading the jobs…" />
       ) : jobs.isError && !jobs.data ? (
         <Failure error={jobs.error} onRetry={() => void jobs.refetch()} />
       ) : items.length === 0 ? (
-        <NoJobs filtered={search.state !== undefined} paged={search.cursor !== undefined} />
+        <NoJobs
+          filtered={search.state !== undefined || search.kind !== undefined}
+          paged={search.cursor !== undefined}
+        />
       ) : (
         <JobTable jobs={items} assets={assets} stale={jobs.isPlaceholderData} />
       )}
@@ -126,7 +144,7 @@ export function JobsPage() {
 function NoJobs({ filtered, paged }: { filtered: boolean; paged: boolean }) {
   if (filtered || paged) {
     return (
-      <Empty icon={<ListChecks size={32} />} title={paged ? "No older jobs" : "No job is in this state"}>
+      <Empty icon={<ListChecks size={32} />} title={paged ? "No older jobs" : "No job is like that"}>
         <LinkButton to="/jobs" variant="default" mt="sm">
           Show all jobs
         </LinkButton>
