@@ -139,7 +139,7 @@ def test_other_versions_and_profiles_are_told_apart_from_damage(at: int, value: 
 
 def test_a_group_that_asks_for_more_than_the_header_tells_is_refused() -> None:
     head = bytearray(SECTIONS[0][1])
-    struct.pack_into("<Q", head, 28, 1000)
+    struct.pack_into("<Q", head, 28, 400 * 168 + 1000)
     with pytest.raises(InvalidInput, match=r"TMOD|CORR"):
         open_motion(rebuilt({0: bytes(head)})).frame(0)
 
@@ -166,3 +166,10 @@ def test_checksums_are_those_of_zip() -> None:
     section = DATA[len(MAGIC) : len(MAGIC) + len(payload) + FRAME_BYTES]
     assert struct.unpack("<I", section[-4:])[0] == zlib.crc32(section[:-4])
     assert section[:4] == tag.encode()
+
+
+def test_a_header_that_tells_of_millions_of_vertices_is_refused_before_anything_is_made() -> None:
+    head = bytearray(SECTIONS[0][1])
+    struct.pack_into("<I", head, 4, 1_000_000)
+    with pytest.raises(InvalidInput, match=r"HEAD.*1000000 vertices"):
+        open_motion(rebuilt({0: bytes(head)}))

@@ -135,6 +135,15 @@ describe("a motion's header", () => {
   });
 });
 
+it.each(["trajectory-1.3", "gradient"])("a header that tells of millions of vertices is refused: %s", (name) => {
+  const altered = golden(name).bytes.slice();
+  const view = new DataView(altered.buffer);
+  const length = view.getUint32(12, true);
+  view.setUint32(20, 16_000_000, true);
+  view.setUint32(16 + length, crc32(altered.subarray(8, 16 + length)), true);
+  expect(() => new Motion(altered)).toThrow(/section HEAD tells of more vertices than its memory holds/);
+});
+
 it("crc32 is that of zip and PNG", () => expect(crc32(new TextEncoder().encode("123456789"))).toBe(0xcbf43926));
 
 it("a stream that was altered with its checksum ends in a sentence, never in a loop or an overflow", () => {

@@ -14,6 +14,8 @@ from shapery_motion.container.sections import GROUPS, HEAD, META, damaged
 
 VERSION: Final = (1, 3)
 """Major and minor version of the format that is written. Readers take any minor version of their major one."""
+VERTEX_BYTES: Final = {"trajectory": 400, "gradient": 28}
+"""Memory that any group takes for each vertex at least, by profile."""
 PROFILES: Final = {1: "trajectory", 2: "gradient"}
 MAX_GROUP_FRAMES: Final = 4096
 MAX_META: Final = 1 << 16
@@ -129,6 +131,8 @@ class Header:
                 raise LimitExceeded(
                     "too_large", f"The motion file asks for {value} {name}; at most {most} are allowed."
                 )
+        if memory < VERTEX_BYTES[PROFILES[code]] * vertices:
+            raise damaged(HEAD, f"tells of {vertices} vertices, more than {memory} bytes of memory hold")
         return cls(
             profile=PROFILES[code],
             vertices=vertices,

@@ -25,8 +25,9 @@ export function decodeFaces(payload: Uint8Array, vertices: number, count: number
   const met: number[] = [];
   const known = new Uint8Array(vertices);
   const degrees = new Int32Array(vertices);
-  const leaving: HalfEdge[][] = Array.from({ length: vertices }, () => []);
-  const entering: HalfEdge[][] = Array.from({ length: vertices }, () => []);
+  // only vertices that have faces have lists
+  const leaving: HalfEdge[][] = [];
+  const entering: HalfEdge[][] = [];
   const queue: HalfEdge[] = [];
   let front = 0;
   let last = -1;
@@ -76,8 +77,8 @@ export function decodeFaces(payload: Uint8Array, vertices: number, count: number
         continue;
       }
       const edge = { from, to, corner, waits: true };
-      leaving[from]?.push(edge);
-      entering[to]?.push(edge);
+      (leaving[from] ??= []).push(edge);
+      (entering[to] ??= []).push(edge);
       queue.push(edge);
     }
   };

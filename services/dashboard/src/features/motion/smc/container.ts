@@ -104,6 +104,9 @@ export function readHeader(bytes: Uint8Array): { header: Header; connectivity: U
   if (memory > MAX_MEMORY || vertices > MAX_VERTICES || faces > 2 * MAX_VERTICES) {
     throw new CorruptMotion("HEAD", "asks for more memory than this player gives");
   }
+  // what any group of so many vertices takes: nothing is made for vertices that the memory does not hold
+  if (memory < (profile === "trajectory" ? 400 : 28) * vertices)
+    throw new CorruptMotion("HEAD", "tells of more vertices than its memory holds");
   const bounds = (at: number): Bounds => ({
     kgPercent: view.getFloat64(at, true),
     rmseEdges: view.getFloat64(at + 8, true),
