@@ -293,7 +293,7 @@ def test_shows_what_was_measured_and_gives_the_files(
         page.get_by_role("link", name="report.json").click()
     report = json.loads(Path(coming.value.path()).read_text())
     assert report["objects"] == objects
-    page.get_by_role("button", name="Save surfaces-1 as STL or OBJ").click()
+    page.get_by_role("button", name="STL, OBJ of surfaces-1").click()
     with page.expect_download() as coming:
         page.get_by_role("menuitem", name="STL").click()
     assert coming.value.suggested_filename == "surfaces-1.stl"

@@ -37,7 +37,7 @@ export function SaveMesh({ name, mesh, tool }: SaveMeshProps) {
             </ActionIcon>
           </Tooltip>
         ) : (
-          <Button variant="default" size="compact-xs" loading={busy} aria-label={`Save ${name} as STL or OBJ`}>
+          <Button variant="default" size="compact-xs" loading={busy} aria-label={`STL, OBJ of ${name}`}>
             STL, OBJ
           </Button>
         )}
