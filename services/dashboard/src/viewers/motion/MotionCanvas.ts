@@ -1,18 +1,9 @@
-import {
-  BufferAttribute,
-  BufferGeometry,
-  Color,
-  DoubleSide,
-  Mesh,
-  MeshBasicMaterial,
-  MeshLambertMaterial,
-  Sphere,
-  Vector3,
-} from "three";
+import { BufferAttribute, BufferGeometry, Color, Mesh, MeshBasicMaterial, Sphere, Vector3 } from "three";
 import { type Ball, ballOf } from "@/features/motion/reach";
 import { Stage } from "../stage/Stage";
 import type { SurfaceMesh } from "../surface/readSurface";
 import { errorColor } from "./errorColors";
+import { FacetedMaterial } from "./faceted";
 
 const PLAIN = new Color("#8fc9c4");
 const ORIGINAL = new Color("#d8c7a6");
@@ -31,8 +22,8 @@ export interface Difference {
 /** A mesh whose vertices move, alone, beside or over its original. Draws only when something has changed. */
 export class MotionCanvas {
   readonly stage: Stage;
-  readonly #mesh: Mesh<BufferGeometry, MeshLambertMaterial>;
-  readonly #original: Mesh<BufferGeometry, MeshLambertMaterial>;
+  readonly #mesh: Mesh<BufferGeometry, FacetedMaterial>;
+  readonly #original: Mesh<BufferGeometry, FacetedMaterial>;
   readonly #wires: Mesh<BufferGeometry, MeshBasicMaterial>;
   readonly #positions: BufferAttribute;
   readonly #before: BufferAttribute;
@@ -55,11 +46,8 @@ export class MotionCanvas {
     geometry.setAttribute("position", this.#positions).setAttribute("color", this.#colors);
     const before = new BufferGeometry().setIndex(index);
     before.setAttribute("position", this.#before);
-    // Shading by face needs no normals, which would have to be computed anew for each frame; without gloss it takes
-    // little where the processor draws.
-    const material = (color: Color) => new MeshLambertMaterial({ color, side: DoubleSide, flatShading: true });
-    this.#mesh = new Mesh(geometry, material(PLAIN));
-    this.#original = new Mesh(before, material(ORIGINAL));
+    this.#mesh = new Mesh(geometry, new FacetedMaterial(PLAIN));
+    this.#original = new Mesh(before, new FacetedMaterial(ORIGINAL));
     this.#wires = new Mesh(
       before,
       new MeshBasicMaterial({ color: "#ffb454", wireframe: true, transparent: true, opacity: 0.55 }),
@@ -110,10 +98,7 @@ export class MotionCanvas {
       labels.forEach((label, v) => clusterColor(label).toArray(this.#colors.array, 3 * v));
       this.#colors.needsUpdate = true;
     }
-    const { material } = this.#mesh;
-    material.vertexColors = coloring !== "plain";
-    material.color.set(coloring === "plain" ? PLAIN : "#ffffff");
-    material.needsUpdate = true;
+    this.#mesh.material.colored = coloring !== "plain";
     this.stage.draw();
   }
 
