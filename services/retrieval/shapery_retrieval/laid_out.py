@@ -19,7 +19,7 @@ from shapery_retrieval.search import Searcher
 
 MOST_BANKS = 4
 MOST_GRAPHS = 8192
-"""About 55 kB each, with the bytes that they were read from."""
+"""About 55 kB each, with the bytes that they were read from; 90 where it was found, and its samples are kept."""
 
 
 class GoneError(Exception):
@@ -32,7 +32,7 @@ class GoneError(Exception):
 
 @dataclass(eq=False)
 class _Laid:
-    """A graph, laid out; its patches are when they are first asked for."""
+    """A graph, laid out; its patches and its samples are when they are first asked for."""
 
     levels: tuple[PackedLevel, ...]
     arg: Arg
@@ -40,6 +40,10 @@ class _Laid:
     @cached_property
     def patches(self) -> Patches:
         return patches_of(self.arg)
+
+    @cached_property
+    def surface(self) -> SampledSurface:
+        return surface_of(self.arg)
 
 
 class Searchers:
@@ -74,7 +78,7 @@ class Searchers:
             return [laid.patches for laid in self._laid(bank, [ids[place] for place in places.tolist()])]
 
         def lay_surfaces(places: NDArray[np.int64]) -> list[SampledSurface]:
-            return [surface_of(laid.arg) for laid in self._laid(bank, [ids[place] for place in places.tolist()])]
+            return [laid.surface for laid in self._laid(bank, [ids[place] for place in places.tolist()])]
 
         table = vectors.reshape(len(ids), VECTOR_DIMENSION)
         return Searcher(ids, table, lay, lay_patches, lay_surfaces, version, scales)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,8 @@ BLOCK, MOST_MATCHED = 48, 288
 the best any more; and not more than so many."""
 RERANKED = 64
 """So many of the best take part in re-ranking."""
+SURFACES_KEPT = 1024
+"""Of so many shapes a searcher keeps the samples, about 35 kB each, for the next query."""
 
 Array = NDArray[np.float64]
 Lay = Callable[[NDArray[np.int64]], tuple[PackedLevel, ...]]
@@ -104,12 +107,13 @@ class Searcher:
         if not ids:
             return cls([], np.empty((0, VECTOR_DIMENSION), np.float32), lambda _: (), lambda _: [], lambda _: [])
         graphs = pack([args[name] for name in ids])
+        surface_at = lru_cache(SURFACES_KEPT)(lambda place: surface_of(args[ids[place]]))
         return cls(
             ids,
             graphs.vectors,
             lambda places: tuple(level.taken(places) for level in graphs.levels),
             lambda places: [patches_of(args[ids[place]]) for place in places.tolist()],
-            lambda places: [surface_of(args[ids[place]]) for place in places.tolist()],
+            lambda places: [surface_at(place) for place in places.tolist()],
             args[ids[0]].index_version,
         )
 
