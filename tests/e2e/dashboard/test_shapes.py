@@ -336,6 +336,9 @@ def test_pages_with_shapes_are_open_to_everyone(open_page: OpenPage, bank: dict[
         page.get_by_test_id("found").wait_for()
         found[scheme, "search"] = serious(page, axe)
         assert overflow(page) <= 0
+        page.goto(page.url.split("?")[0])
+        page.get_by_role("link", name="all shapes").wait_for()
+        found[scheme, "examples"] = serious(page, axe)
     assert {where: faults for where, faults in found.items() if faults} == {}
 
 

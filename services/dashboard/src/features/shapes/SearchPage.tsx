@@ -167,7 +167,7 @@ function NothingFound({ narrowed }: { narrowed: boolean }) {
       {outdated > 0 && (
         <>
           {" "}
-          <LinkAnchor to="/shapes" search={{ outdated: true }} size="sm">
+          <LinkAnchor to="/shapes" search={{ outdated: true }} size="sm" underline="always">
             {integer(outdated)} indexed by an older version
           </LinkAnchor>{" "}
           can be found once they are indexed again, collection by collection.

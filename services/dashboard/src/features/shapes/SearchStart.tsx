@@ -84,7 +84,11 @@ export function SearchStart() {
               ))}
             </ul>
             <Text size="sm" c="dimmed" mt="md">
-              Any other: open it from <LinkAnchor to="/shapes">all shapes</LinkAnchor>, and choose Find similar.
+              Any other: open it from{" "}
+              <LinkAnchor to="/shapes" underline="always">
+                all shapes
+              </LinkAnchor>
+              , and choose Find similar.
             </Text>
           </section>
         )}
