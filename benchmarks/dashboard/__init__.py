@@ -1,0 +1,1 @@
+"""What the dashboard costs whoever looks at it: `python -m benchmarks.dashboard`."""

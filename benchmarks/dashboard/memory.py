@@ -1,0 +1,73 @@
+"""What views of pages leave behind."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import psutil
+
+from benchmarks.dashboard.bare_chromium import bare_chromium
+from benchmarks.dashboard.browser import BROWSER, PROCESSES, SIZE, executable, held
+
+VIEW = """
+async (path) => {
+    const until = async (there) => {
+        for (let waited = 0; !there(); waited += 20) {
+            if (waited > 120_000) throw new Error(`${path} is not there`);
+            await new Promise((resolve) => setTimeout(resolve, 20));
+        }
+    };
+    const go = (to) => {
+        history.pushState({}, "", to);
+        dispatchEvent(new PopStateEvent("popstate"));
+    };
+    go(path);
+    await until(() => document.querySelector("section[data-status=ready]"));
+    await new Promise((resolve) => setTimeout(resolve, 200));
+    go("/jobs");
+    await until(() => document.body.textContent.includes("Progress and outcome"));
+}
+"""
+
+
+def memory(url: str, paths: Sequence[str], views: int) -> dict[str, Any]:
+    """Go to and fro between pages with viewers and the list of jobs, all within one page; memory after each view.
+
+    Of processes it is what is theirs alone: shared libraries and files that are mapped count for nothing.
+    """
+    with bare_chromium(executable(), BROWSER) as browser:
+        page = browser.open(f"{url}/jobs", SIZE["width"], SIZE["height"])
+        time.sleep(2)
+        heaps, nodes = [], []
+        process = psutil.Process(browser.process.pid)
+        taken: dict[str, list[float]] = {name: [] for name in PROCESSES.values()}
+        for view in range(views):
+            page.evaluate(VIEW, paths[view % len(paths)])
+            page.send("HeapProfiler.collectGarbage")
+            heaps.append(page.send("Runtime.getHeapUsage")["usedSize"] / 1e6)
+            nodes.append(page.send("Memory.getDOMCounters")["nodes"])
+            for name, megabytes in held(process).items():
+                taken[name].append(megabytes)
+    half = views // 2
+    return {
+        "views": views,
+        "nodes": [nodes[0], nodes[half], nodes[-1]],
+        "heap_mb": growth(heaps, half),
+        **{f"{name}_mb": growth(megabytes, half) for name, megabytes in taken.items()},
+    }
+
+
+def growth(values: Sequence[float], settled: int) -> dict[str, Any]:
+    """Tell how something grows from view to view: every tenth value, and the slope once caches are filled."""
+    return {
+        "every_tenth": [round(value, 1) for value in values[9::10]],
+        "kb_per_view": round(1000 * slope(values[settled:]), 1),
+    }
+
+
+def slope(values: Sequence[float]) -> float:
+    """Return how much values grow in a step."""
+    return float(np.polyfit(np.arange(len(values)), values, 1)[0])
