@@ -1,6 +1,6 @@
 import { gzipSync } from "node:zlib";
 import { describe, expect, it } from "vitest";
-import { inflate, type LabelVolume, readNifti } from "@/features/compare/nifti";
+import { inflate, type LabelVolume, readNifti } from "@/format/nifti";
 import { agreement, overlap } from "@/features/compare/overlap";
 
 const PLAIN = [2, 0, 0, -10, 0, 2, 0, -20, 0, 0, 3, 5];

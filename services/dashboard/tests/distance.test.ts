@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { signedDistances } from "@/features/compare/distance";
-import type { LabelVolume } from "@/features/compare/nifti";
+import type { LabelVolume } from "@/format/nifti";
 import { distanceColors, spreadOf } from "@/viewers/surface/scale";
 
 const get = (from: ArrayLike<number>, at: number) => from[at] ?? NaN;

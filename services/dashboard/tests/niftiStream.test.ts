@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { readNifti } from "@/features/compare/nifti";
+import { readNifti } from "@/format/nifti";
 import { NiftiStream } from "@/viewers/volume/niftiStream";
 
 interface Made {

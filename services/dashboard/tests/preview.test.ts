@@ -1,10 +1,9 @@
 import { STLLoader } from "three/examples/jsm/loaders/STLLoader.js";
 import { describe, expect, it } from "vitest";
-import { readNifti } from "@/features/compare/nifti";
+import { niftiFile, readNifti } from "@/format/nifti";
 import { readArchive } from "@/features/preview/archive";
 import { readDicom } from "@/features/preview/dicom";
 import { readMesh } from "@/features/preview/mesh";
-import { niftiFile } from "@/features/preview/niftiFile";
 import { meshPicture, sliceOf } from "@/features/preview/picture";
 import { recognise } from "@/features/preview/recognise";
 import { openSequence } from "@/features/preview/sequence";

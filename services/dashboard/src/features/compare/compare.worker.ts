@@ -1,4 +1,4 @@
-import { inflate, readNifti } from "./nifti";
+import { inflate, readNifti } from "@/format/nifti";
 import { type Overlap, overlap } from "./overlap";
 
 export type CompareAnswer = { overlap: Overlap } | { problem: string };

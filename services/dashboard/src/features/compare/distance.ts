@@ -1,4 +1,4 @@
-import type { LabelVolume } from "./nifti";
+import type { LabelVolume } from "@/format/nifti";
 import { inverse } from "./overlap";
 
 /** The faces between voxels that are inside and such that are not, as boxes without thickness, by cells of a grid. */

@@ -1,5 +1,5 @@
 import { signedDistances } from "./distance";
-import { inflate, readNifti } from "./nifti";
+import { inflate, readNifti } from "@/format/nifti";
 
 export interface DistanceQuestion {
   mask: ArrayBuffer;

@@ -1,4 +1,4 @@
-import type { LabelVolume } from "./nifti";
+import type { LabelVolume } from "@/format/nifti";
 
 /** How often each value of one volume meets each value of another, voxel by voxel on the grid of the first. */
 export interface Overlap {

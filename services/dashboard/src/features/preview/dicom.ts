@@ -1,4 +1,4 @@
-import type { LabelVolume } from "@/features/compare/nifti";
+import type { LabelVolume } from "@/format/nifti";
 import { readArchive } from "./archive";
 import { type Dataset, type DicomFile, type Element, parseDicom, PIXELS, text } from "./dicomFile";
 

@@ -1,4 +1,4 @@
-import type { LabelVolume } from "@/features/compare/nifti";
+import type { LabelVolume } from "@/format/nifti";
 import type { SurfaceMesh } from "@/viewers/surface/readSurface";
 
 /** Red, green, blue and opacity of each pixel, row by row from the top. */

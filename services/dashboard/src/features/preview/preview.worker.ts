@@ -37,6 +37,6 @@ async function pictureOf(file: Blob, { kind, format }: Seems, size: number): Pro
 }
 
 async function convert(file: Blob, format: string): Promise<Told> {
-  const [{ readDicom }, { niftiFile }] = await Promise.all([import("./dicom"), import("./niftiFile")]);
+  const [{ readDicom }, { niftiFile }] = await Promise.all([import("./dicom"), import("@/format/nifti")]);
   return { volume: niftiFile(await readDicom(file, format)) };
 }

@@ -1,4 +1,4 @@
-import { inflate, type LabelVolume, readNifti } from "@/features/compare/nifti";
+import { inflate, type LabelVolume, readNifti, swap } from "@/format/nifti";
 import { readDicom } from "./dicom";
 
 type Samples = new (buffer: ArrayBuffer) => ArrayLike<number>;
@@ -43,10 +43,7 @@ async function samples(header: {
   const content = stream ? await new Response(stream).arrayBuffer() : header.data.slice().buffer;
   const length = nx * ny * nz * bytes;
   if (content.byteLength < length) throw new Error("The file ends before its voxels do.");
-  if (header.big) {
-    const whole = new Uint8Array(content);
-    for (let at = 0; at < length; at += bytes) whole.subarray(at, at + bytes).reverse();
-  }
+  if (header.big) swap(new Uint8Array(content, 0, length), bytes);
   const affine = [0, 1, 2].flatMap((axis) => {
     const sign = header.lps && axis < 2 ? -1 : 1;
     return [...header.axes.slice(0, 3), header.origin].map((vector) => sign * (vector[axis] ?? 0));

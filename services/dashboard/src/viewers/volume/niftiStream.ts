@@ -1,4 +1,5 @@
-import { Blocks, type Samples, stepsFor, type Triple } from "./reduce";
+import { type NiftiHeader, readHeader, type Samples, type SamplesOf, swap, WHOLE_HEADER } from "@/format/nifti";
+import { Blocks, stepsFor, type Triple } from "./reduce";
 
 /** A volume as it is drawn: the file with fewer voxels, but for what says where they are. */
 export interface Drawn {
@@ -8,27 +9,11 @@ export interface Drawn {
   steps: Triple;
 }
 
-const TYPES: Readonly<Record<number, new (buffer: ArrayBuffer | number) => Samples>> = {
-  2: Uint8Array,
-  4: Int16Array,
-  8: Int32Array,
-  16: Float32Array,
-  64: Float64Array,
-  256: Int8Array,
-  512: Uint16Array,
-  768: Uint32Array,
-};
-/** Of NIfTI-1: its header, and the four bytes that say whether something stands between it and the voxels. */
-const [HEADER, WHOLE_HEADER] = [348, 352];
-
-interface Layout {
-  extent: Triple;
+interface Layout extends NiftiHeader {
+  array: SamplesOf;
   steps: Triple;
-  array: new (buffer: ArrayBuffer | number) => Samples;
+  /** Of each voxel. */
   bytes: number;
-  /** Where the voxels begin. */
-  offset: number;
-  little: boolean;
 }
 
 /**
@@ -84,7 +69,7 @@ export class NiftiStream {
     view.setInt16(40, 3, layout.little);
     for (let axis = 1; axis <= 7; axis += 1) view.setInt16(40 + 2 * axis, extent[axis - 1] ?? 1, layout.little);
     view.setFloat32(108, WHOLE_HEADER, layout.little);
-    view.setInt32(HEADER, 0); // nothing between the header and the voxels
+    view.setInt32(348, 0); // nothing between the header and the voxels
     const voxels = new Uint8Array(samples.buffer);
     if (!layout.little) swap(voxels, layout.bytes);
     content.set(voxels, WHOLE_HEADER);
@@ -121,22 +106,10 @@ export class NiftiStream {
 
 /** How the voxels lie in a file that begins like this; null for one that is kept as it is. */
 function layoutOf(start: Uint8Array, most: number): Layout | null {
-  const view = new DataView(start.buffer, start.byteOffset, start.byteLength);
-  const little = view.getInt32(0, true) === HEADER;
-  if (!little && view.getInt32(0, false) !== HEADER) return null;
-  if (String.fromCharCode(...start.subarray(344, 347)) !== "n+1") return null;
-  const short = (at: number) => view.getInt16(at, little);
+  const header = readHeader(start);
   // Without a transform the middle of the volume is where space begins, which a coarser one would move.
-  if (short(252) <= 0 && short(254) <= 0) return null;
-  const size = (axis: number) => (axis <= short(40) ? short(40 + 2 * axis) : 1);
-  const extent: Triple = [size(1), size(2), size(3)];
-  const array = TYPES[short(70)];
-  const offset = Math.round(view.getFloat32(108, little));
-  if (!array || Math.min(...extent) < 1 || offset < WHOLE_HEADER || offset > 2 ** 24) return null;
-  return { extent, steps: stepsFor(extent, most), array, bytes: new array(1).BYTES_PER_ELEMENT, offset, little };
-}
-
-/** Turn the order of the bytes of each number around. */
-function swap(bytes: Uint8Array, width: number): void {
-  if (width > 1) for (let at = 0; at < bytes.length; at += width) bytes.subarray(at, at + width).reverse();
+  if (!header?.array || !header.single || !header.placed) return null;
+  const { extent, array, offset } = header;
+  if (Math.min(...extent) < 1 || offset < WHOLE_HEADER || offset > 2 ** 24) return null;
+  return { ...header, array, steps: stepsFor(extent, most), bytes: new array(1).BYTES_PER_ELEMENT };
 }

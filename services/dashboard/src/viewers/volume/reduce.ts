@@ -1,5 +1,4 @@
-export type Samples =
-  Uint8Array | Int8Array | Uint16Array | Int16Array | Uint32Array | Int32Array | Float32Array | Float64Array;
+import type { Samples } from "@/format/nifti";
 
 /** One number for each axis, x first. */
 export type Triple = [number, number, number];
