@@ -8,15 +8,9 @@ export interface LabelVolume {
   inter: number;
 }
 
+/** The voxels of a volume in memory. */
 export type Samples =
-  | Uint8Array<ArrayBuffer>
-  | Int8Array<ArrayBuffer>
-  | Uint16Array<ArrayBuffer>
-  | Int16Array<ArrayBuffer>
-  | Uint32Array<ArrayBuffer>
-  | Int32Array<ArrayBuffer>
-  | Float32Array<ArrayBuffer>
-  | Float64Array<ArrayBuffer>;
+  Uint8Array | Int8Array | Uint16Array | Int16Array | Uint32Array | Int32Array | Float32Array | Float64Array;
 export type SamplesOf = new (from: ArrayBuffer | number) => Samples;
 
 /** What the header of a NIfTI-1 file says (https://nifti.nimh.nih.gov/nifti-1). */
@@ -115,7 +109,7 @@ export function readNifti(content: ArrayBuffer, several = false): LabelVolume {
 /** A volume as a NIfTI-1 file: what every viewer reads. */
 export function niftiFile({ shape, affine, values, slope, inter }: LabelVolume): Blob {
   const known = Object.entries(TYPES).find(([, type]) => values instanceof type);
-  const data = known ? (values as Samples) : Float32Array.from(values);
+  const data = known ? (values as Samples & ArrayBufferView<ArrayBuffer>) : Float32Array.from(values);
   const view = new DataView(new ArrayBuffer(WHOLE_HEADER));
   const short = (at: number, value: number) => view.setInt16(at, value, true);
   const float = (at: number, value: number) => view.setFloat32(at, value, true);
