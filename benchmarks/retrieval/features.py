@@ -24,8 +24,9 @@ from shapery_retrieval.patches import SHARES, Patches
 CACHE = Path(os.environ.get("SHAPERY_BENCH_CACHE", Path(tempfile.gettempdir()) / "shapery-bench"))
 _ROOT = Path(__file__).resolve().parents[2]
 _COMPARING = (
-    "_matching_kernels", "arg", "commands", "correspondence", "job", "laid_out", "local", "matching", "packing",
-    "preview", "ranking", "report", "search", "vector", "vectors", "vocabulary", "warm", "threads",
+    "_correspondence_kernels", "_matching_kernels", "arg", "commands", "correspondence", "job", "laid_out", "local",
+    "matching", "packing", "preview", "ranking", "report", "search", "vector", "vectors", "vocabulary", "warm",
+    "threads",
 )  # fmt: skip
 """Sources that compare graphs, keep or show them, and do not change what is computed from a mesh."""
 _OF_VOLUMES = ("_rasterize_kernels", "_resampling_kernels", "mask_metrics", "rasterize", "resampling", "volume")

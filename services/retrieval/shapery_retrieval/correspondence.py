@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from shapery_retrieval import _matching_kernels as kernels
+from shapery_retrieval import _correspondence_kernels as kernels
 from shapery_retrieval.arg import Arg
 from shapery_retrieval.patches import BLOCKS
 from shapery_retrieval.sides import SIDES
@@ -36,15 +36,13 @@ ALPHA, WARM, EPSILON = np.float32(0.9), np.float32(0.07), np.float32(0.01)
 """Share of the distances in the cost, which are what a pose keeps; entropy at first and at last."""
 OUTER, ROUNDS = 2, 4
 SIDE_WEIGHT = np.float32(0.4)
-MIRRORED = 0.5
+MIRRORED = np.float32(0.5)
 """A body is taken for mirrored where this brings its cost below this share. Of poses none came below 0.65; a mirrored
 copy comes to about 0.02."""
 FINE_EPSILON = np.float32(0.01)
 """Entropy of the plan of all samples, which is found from their distances to the coarse ones."""
 
 Array32 = NDArray[np.float32]
-
-_MIRROR = np.array([1] * len(KNOWN) + [-1] * len(SIDES), dtype=np.float32)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,26 +53,28 @@ class SampledSurface:
     ----------
     masses : (s,) float32
         Share of the surface of each.
-    features : (s, 32) float32
-        Standardised and weighted, so that squared distance is the cost of laying two on each other. The last ten are
-        the sides.
+    known : (s, 22) float32
+        Features, standardised and weighted, so that squared distance is the cost of laying two on each other.
+    sides : (s, 10) float32
+        What changes its sign in a mirror, weighted likewise.
     squares : (s,) float32
-        Their squared lengths.
+        Squared lengths of both together.
     distances : (s, c) float32
         Geodesic distance from each to the first ones, over the mean.
     gathered : (c,) float32
         Share of the surface that is nearest to each of the first ones.
     parts
-        For each level below the root a (k, s) float32 matrix: 1 where a part holds a sample. A region may hold a sample
-        on one level alone.
+        For each level below the root the (s,) numbers of the parts that hold the samples, and how many parts there are.
+        A region may hold a sample on one level alone: on the other it is of part −1.
     """
 
     masses: Array32
-    features: Array32
+    known: Array32
+    sides: Array32
     squares: Array32
     distances: Array32
     gathered: Array32
-    parts: tuple[Array32, ...]
+    parts: tuple[tuple[NDArray[np.int64], int], ...]
 
 
 def surface_of(arg: Arg) -> SampledSurface:
@@ -85,27 +85,23 @@ def surface_of(arg: Arg) -> SampledSurface:
     counted = arg.whole["patch_masses"].astype(np.float64)
     masses = counted / np.bincount(finest, counted)[finest] * arg.levels[-1].masses[finest]
     masses /= masses.sum()
-    features = np.empty((s, len(KNOWN) + len(SIDES)), np.float32)
-    features[:, : len(KNOWN)] = arg.whole["patch_features"][:, KNOWN]
-    features[:, len(KNOWN) :] = arg.whole["patch_sides"]
-    mean, factor = _standards()
-    features -= mean
-    features *= factor
+    mean, factor, side = _standards()
+    known = (arg.whole["patch_features"][:, KNOWN] - mean) * factor
+    sides = arg.whole["patch_sides"] * side
     bare = np.append(arg.whole["patch_distances"], np.uint8(0))
     distances = bare[_places(s, COARSE)] * np.float32(arg.whole["patch_reach"][0] / 255)
     gathered = np.bincount(np.argmin(distances, axis=1), masses, distances.shape[1])
     numbers = finest
-    parts: list[Array32] = []
+    parts: list[tuple[NDArray[np.int64], int]] = []
     for level in arg.levels[:0:-1]:
-        held = np.zeros((level.parts + 1, s), np.float32)
-        held[numbers, np.arange(s)] = 1.0
-        parts.insert(0, held[:-1])
-        # −1, of no part, stays −1: it is the row that is cut off
-        numbers = np.append(level.parents, -1)[numbers]
+        parts.insert(0, (numbers, level.parts))
+        # −1, of no part, stays −1
+        numbers = np.append(level.parents, -1)[numbers].astype(np.int64)
     return SampledSurface(
         masses.astype(np.float32),
-        features,
-        np.einsum("sf,sf->s", features, features),
+        known,
+        sides,
+        np.einsum("sf,sf->s", known, known) + np.einsum("sf,sf->s", sides, sides),
         distances,
         gathered.astype(np.float32),
         tuple(parts),
@@ -151,58 +147,33 @@ def lay(query: SampledSurface, other: SampledSurface, *, relaxed: bool = False) 
     on left, unless single samples look more alike mirrored, and all of them together cost far less: a body with two
     like sides may lean to either, a mirrored one is its original.
     """
-    own, few, there_few = query.features, len(query.gathered), len(other.gathered)
-    alike = _squared(query, own, few, other, there_few)
-    cost, plan = _coarse(query, other, alike, relaxed)
-    turned = _squared(query, own * _MIRROR, few, other, there_few)
-    gain = query.gathered @ (alike.min(axis=1) - turned.min(axis=1))
-    gain += other.gathered @ (alike.min(axis=0) - turned.min(axis=0))
-    if gain > 0:
-        turned_cost, turned_plan = _coarse(query, other, turned, relaxed)
-        if turned_cost < MIRRORED * cost:
-            own, plan = own * _MIRROR, turned_plan
-    # features and the distances to the coarse samples, which the plan carries over, in one product
-    here, there = query.distances, other.distances
-    left = np.concatenate((own * (ALPHA - 1), (here @ plan) * -ALPHA), axis=1)
-    laid = left @ np.concatenate((other.features, there), axis=1).T
-    laid *= 2
-    laid += ((1 - ALPHA) * query.squares + ALPHA * (here**2 @ plan.sum(axis=1)))[:, None]
-    laid += (1 - ALPHA) * other.squares + ALPHA * (there**2 @ plan.sum(axis=0))
-    result = np.empty(laid.shape, dtype=np.float32)
-    kernels.settle(laid, query.masses, other.masses, FINE_EPSILON, ROUNDS, relaxed, result)
-    return result
-
-
-def _squared(query: SampledSurface, own: Array32, k: int, other: SampledSurface, l: int) -> Array32:  # noqa: E741
-    """(k, l) squared distances of the first samples by features and sides."""
-    result = own[:k] @ other.features[:l].T
-    result *= -2
-    result += query.squares[:k, None]
-    result += other.squares[:l]
-    return np.asarray(result)
-
-
-def _coarse(query: SampledSurface, other: SampledSurface, nodes: Array32, relaxed: bool) -> tuple[float, Array32]:
-    k, l = len(query.gathered), len(other.gathered)  # noqa: E741
-    plan = np.empty((k, l), dtype=np.float32)
-    cost = kernels.transport(
-        nodes, query.gathered, query.distances[:k], other.gathered, other.distances[:l],
-        ALPHA, WARM, EPSILON, OUTER, ROUNDS, relaxed, plan,
+    plan = np.empty((len(query.masses), len(other.masses)), dtype=np.float32)
+    kernels.lay(
+        query.masses, query.known, query.sides, query.squares, query.distances, query.gathered,
+        other.masses, other.known, other.sides, other.squares, other.distances, other.gathered,
+        ALPHA, WARM, EPSILON, OUTER, ROUNDS, FINE_EPSILON, MIRRORED, relaxed, plan,
     )  # fmt: skip
-    return float(cost), plan
+    return plan
+
+
+def between_parts(plan: Array32, query: SampledSurface, other: SampledSurface) -> list[NDArray[np.float64]]:
+    """Return for each level below the root the (k, l) shares that a plan of samples carries from part to part."""
+    return [
+        kernels.gathered_by_parts(plan, *here, *there) for here, there in zip(query.parts, other.parts, strict=True)
+    ]
 
 
 @lru_cache(maxsize=1)
-def _standards() -> tuple[Array32, Array32]:
-    """(32,) mean and (32,) factor of each feature of a sample."""
+def _standards() -> tuple[Array32, Array32, np.float32]:
+    """(22,) mean and (22,) factor of each feature of a sample, and the factor of its sides."""
     words = vocabulary()
     scale = np.empty(len(words.patch_mean))
     for weight, columns in BLOCKS:
         scale[list(columns)] = np.sqrt(KNOWN_WEIGHT * weight / len(columns))
-    known, side = list(KNOWN), np.full(len(SIDES), np.sqrt(SIDE_WEIGHT / len(SIDES) / 2))
-    mean = np.concatenate((words.patch_mean[known], np.zeros(len(SIDES))))
-    factor = np.concatenate(((scale / words.patch_spread)[known], side))
-    return mean.astype(np.float32), factor.astype(np.float32)
+    known = list(KNOWN)
+    factor = (scale / words.patch_spread)[known]
+    side = np.sqrt(SIDE_WEIGHT / len(SIDES) / 2)
+    return words.patch_mean[known].astype(np.float32), factor.astype(np.float32), np.float32(side)
 
 
 @lru_cache(maxsize=64)

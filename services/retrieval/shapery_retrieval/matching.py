@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapery_retrieval.arg import Arg
-from shapery_retrieval.correspondence import SampledSurface, lay, surface_of
+from shapery_retrieval.correspondence import SampledSurface, between_parts, lay, surface_of
 from shapery_retrieval.packing import level_distances
 from shapery_retrieval.vector import PackedGraphs, cue_distances, pack
 from shapery_retrieval.vocabulary import vocabulary
@@ -128,9 +128,8 @@ def match_packed(
         plan = lay(own_surface, surface, relaxed=partial)
         best = int(np.argmax(below[row])) + 1
         levels = [] if roots is None else [LevelMatch(0, float(roots[row]), np.ones((1, 1)))]
-        for number, (here, there) in enumerate(zip(own_surface.parts, surface.parts, strict=True), start=1):
-            carried = here @ plan @ there.T
-            levels.append(LevelMatch(number, float(below[row, number - 1]), carried.astype(np.float64)))
+        for number, carried in enumerate(between_parts(plan, own_surface, surface), start=1):
+            levels.append(LevelMatch(number, float(below[row, number - 1]), carried))
         score = float(below[row, best - 1]) if partial else sum(level.score for level in levels) / len(levels)
         matches.append(Match(score, tuple(levels), best))
     return matches

@@ -7,7 +7,7 @@ import pytest
 
 from shapery_geometry.mesh import TriangleMesh, icosphere
 from shapery_retrieval import _matching_kernels as kernels
-from shapery_retrieval.correspondence import SampledSurface, lay, surface_of
+from shapery_retrieval.correspondence import SampledSurface, between_parts, lay, surface_of
 from shapery_retrieval.describe import Description, describe
 from shapery_retrieval.matching import match
 from shapery_retrieval.search import region_of
@@ -102,8 +102,8 @@ def test_levels_agree_and_keep_the_areas(upright: Description, leaning: Descript
     assert first.sum() == pytest.approx(1, abs=1e-4)
     np.testing.assert_allclose(first.sum(axis=1), upright.arg.levels[1].masses, atol=0.02)
     surface = surface_of(upright.arg)
-    for level, parts in zip(upright.arg.levels[1:], surface.parts, strict=True):
-        np.testing.assert_allclose(parts @ surface.masses, level.masses, atol=1e-4)
+    for level, (parts, count) in zip(upright.arg.levels[1:], surface.parts, strict=True):
+        np.testing.assert_allclose(np.bincount(parts, surface.masses, count), level.masses, atol=1e-4)
 
 
 def test_a_region_keeps_its_samples(described_egg: Description) -> None:
@@ -111,22 +111,32 @@ def test_a_region_keeps_its_samples(described_egg: Description) -> None:
     kept = np.arange(arg.levels[2].parts) % 2 == 0
     region = region_of(arg, [np.ones(1), np.arange(16) < 8, kept.astype(float)])
     whole, part = surface_of(arg), surface_of(region)
-    inside = whole.parts[1][kept].any(axis=0)
+    inside = kept[whole.parts[1][0]]
     assert len(part.masses) == inside.sum()
-    np.testing.assert_array_equal(part.features, whole.features[inside])
+    np.testing.assert_array_equal(part.known, whole.known[inside])
+    np.testing.assert_array_equal(part.sides, whole.sides[inside])
     first = np.flatnonzero(inside)[:10]
     # distances among the first samples that are left are those of the whole
     full = described_egg.decomposition.samples.distances
     share = full[np.ix_(first, first)] / full.max()
     np.testing.assert_allclose(part.distances[:10, :10] / arg.whole["patch_reach"][0], share, atol=0.003)
-    np.testing.assert_array_equal(part.parts[1], whole.parts[1][kept][:, inside])
-    np.testing.assert_array_equal(part.parts[0], whole.parts[0][:8, inside])
+    np.testing.assert_array_equal(part.parts[1][0], (np.cumsum(kept) - 1)[whole.parts[1][0][inside]])
+    above = whole.parts[0][0][inside]
+    np.testing.assert_array_equal(part.parts[0][0], np.where(above < 8, above, -1))
+    assert [count for _, count in part.parts] == [8, kept.sum()]
+    # what lies in no part of a level is carried between none
+    first, second = between_parts(np.full((len(above), len(whole.masses)), 1e-4, np.float32), part, whole)
+    assert first.shape == (8, 16)
+    assert first.sum() == pytest.approx(1e-4 * (above < 8).sum() * len(whole.masses), rel=1e-4)
+    assert second.sum() == pytest.approx(1e-4 * len(above) * len(whole.masses), rel=1e-4)
 
 
 def test_one_sample_is_laid_on_one() -> None:
     one, none = np.ones(1, np.float32), np.zeros(1, np.float32)
-    features, distances = np.zeros((1, 32), np.float32), np.zeros((1, 1), np.float32)
-    one = SampledSurface(one, features, none, distances, one, (one[None], one[None]))
+    part = np.zeros(1, np.int64), 1
+    one = SampledSurface(
+        one, np.zeros((1, 22), np.float32), np.zeros((1, 10), np.float32), none, none[None], one, (part, part)
+    )
     np.testing.assert_allclose(lay(one, one), 1)
 
 

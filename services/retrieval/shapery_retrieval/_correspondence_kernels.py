@@ -1,0 +1,101 @@
+"""Compiled loops of `shapery_retrieval.correspondence`: the samples of two surfaces laid on each other."""
+
+# mypy: allow-untyped-defs, allow-untyped-calls
+
+import numpy as np
+from numba import njit
+
+from shapery_retrieval._matching_kernels import FAST, settle, transport
+
+
+@njit(**FAST)
+def _gain(alike, turned, masses, other):
+    """Return how much nearer, by the nearest on either side, single samples are as they are than mirrored."""
+    k, l = alike.shape  # noqa: E741
+    result = np.float32(0.0)
+    column, turned_column = alike[0].copy(), turned[0].copy()
+    for i in range(k):
+        least, turned_least = alike[i, 0], turned[i, 0]
+        for j in range(l):
+            least, turned_least = min(least, alike[i, j]), min(turned_least, turned[i, j])
+            column[j], turned_column[j] = min(column[j], alike[i, j]), min(turned_column[j], turned[i, j])
+        result += masses[i] * (turned_least - least)
+    for j in range(l):
+        result += other[j] * (turned_column[j] - column[j])
+    return result
+
+
+@njit(**FAST)
+def lay(
+    masses, known, sides, squares, distances, gathered,
+    masses2, known2, sides2, squares2, distances2, gathered2,
+    alpha, warm, epsilon, outer, rounds, fine_epsilon, mirrored, relaxed, plan,
+):  # fmt: skip
+    """Fill `plan` (s, t) with what lays the samples of one surface on those of another.
+
+    Arguments are the fields of two `shapery_retrieval.correspondence.SampledSurface`, and that module's constants.
+    """
+    s, t, k, l = len(masses), len(masses2), len(gathered), len(gathered2)  # noqa: E741
+    products, by_sides = np.dot(known, known2.T), np.dot(sides, sides2.T)
+    alike, turned = np.empty((k, l), dtype=np.float32), np.empty((k, l), dtype=np.float32)
+    for i in range(k):
+        for j in range(l):
+            both = squares[i] + squares2[j] - np.float32(2.0) * products[i, j]
+            alike[i, j] = both - np.float32(2.0) * by_sides[i, j]
+            turned[i, j] = both + np.float32(2.0) * by_sides[i, j]
+    coarse = np.empty((k, l), dtype=np.float32)
+    cost = transport(
+        alike, gathered, distances[:k], gathered2, distances2[:l],
+        alpha, warm, epsilon, outer, rounds, relaxed, coarse,
+    )  # fmt: skip
+    sign = np.float32(1.0)
+    if _gain(alike, turned, gathered, gathered2) < 0:
+        other = np.empty((k, l), dtype=np.float32)
+        turned_cost = transport(
+            turned, gathered, distances[:k], gathered2, distances2[:l],
+            alpha, warm, epsilon, outer, rounds, relaxed, other,
+        )  # fmt: skip
+        if turned_cost < mirrored * cost:
+            sign, coarse = np.float32(-1.0), other
+    # Σ_kl (C_ik − D_jl)² T_kl = (C² T1)_i + (D² Tᵀ1)_j − 2 (C T Dᵀ)_ij, with distances to the coarse samples
+    across = np.dot(np.dot(distances, coarse), distances2.T)
+    carried, borne = np.zeros(k, dtype=np.float32), np.zeros(l, dtype=np.float32)
+    for i in range(k):
+        for j in range(l):
+            carried[i] += coarse[i, j]
+            borne[j] += coarse[i, j]
+    beta = np.float32(1.0) - alpha
+    row, column = np.empty(s, dtype=np.float32), np.empty(t, dtype=np.float32)
+    for i in range(s):
+        total = np.float32(0.0)
+        for a in range(k):
+            total += distances[i, a] * distances[i, a] * carried[a]
+        row[i] = beta * squares[i] + alpha * total
+    for j in range(t):
+        total = np.float32(0.0)
+        for b in range(l):
+            total += distances2[j, b] * distances2[j, b] * borne[b]
+        column[j] = beta * squares2[j] + alpha * total
+    for i in range(s):
+        for j in range(t):
+            inner = beta * (products[i, j] + sign * by_sides[i, j]) + alpha * across[i, j]
+            products[i, j] = row[i] + column[j] - np.float32(2.0) * inner
+    settle(products, masses, masses2, fine_epsilon, rounds, relaxed, plan)
+
+
+@njit(**FAST)
+def gathered_by_parts(plan, parts, count, parts2, count2):
+    """(count, count2) sums of a plan (s, t) over the parts that samples lie in; those of part −1 are left out."""
+    rows = np.zeros((count, plan.shape[1]), dtype=np.float32)
+    for i in range(len(parts)):
+        if parts[i] >= 0:
+            into, of = rows[parts[i]], plan[i]
+            for j in range(len(of)):
+                into[j] += of[j]
+    result = np.zeros((count, count2))
+    for p in range(count):
+        into, of = result[p], rows[p]
+        for j in range(len(parts2)):
+            if parts2[j] >= 0:
+                into[parts2[j]] += of[j]
+    return result
