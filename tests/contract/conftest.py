@@ -17,6 +17,7 @@ from shapery_platform.db import Database
 from shapery_platform.jobs import NewArtifact
 from shapery_platform.settings import load_settings
 from shapery_platform.storage import ObjectStore
+from shapery_platform.storage.opening import open_store
 from tests.support import shapes as fake
 from tests.support.gateway import TUS, nifti, served, triangle
 from tests.support.redis import redis_server
@@ -82,6 +83,6 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
     with database.session() as session:
         _, secret = keys.create(session, "contract", list(Scope), owner="ann")
     with redis_server() as redis, served(settings.model_copy(update={"redis_url": redis.url})) as url:
-        store = ObjectStore.from_settings(settings, database)
+        store = open_store(settings, database)
         yield World(url, secret, _populate(url, secret, database, store, home / "out"))
     database.dispose()

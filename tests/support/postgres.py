@@ -58,10 +58,11 @@ class PostgresServer:
         """Return the address of a database."""
         return f"postgresql://postgres:{self.password}@127.0.0.1:{self.port}/{database}"
 
-    def create_database(self) -> str:
-        """Create an empty database and return its address."""
+    def create_database(self, template: str | None = None) -> str:
+        """Create a database, empty or a copy of the one at the address `template`, and return its address."""
         name = f"test_{next(self._numbers)}"
-        self._execute(sql.SQL("CREATE DATABASE {} TEMPLATE template0").format(sql.Identifier(name)))
+        source = template.rsplit("/", 1)[-1] if template else "template0"
+        self._execute(sql.SQL("CREATE DATABASE {} TEMPLATE {}").format(sql.Identifier(name), sql.Identifier(source)))
         return self.url(name)
 
     def drop_database(self, url: str) -> None:

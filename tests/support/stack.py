@@ -33,7 +33,8 @@ from shapery_platform import assets, dispatch, jobs
 from shapery_platform.db import Database
 from shapery_platform.queue import connect, make_celery, queue_lengths
 from shapery_platform.settings import Settings, load_settings
-from shapery_platform.storage import ObjectStore, object_key
+from shapery_platform.storage import object_key
+from shapery_platform.storage.opening import open_store
 from shapery_worker.scratch import Ownership
 from shapery_worker.settings import scratch_root
 from tests.conftest import ROOT
@@ -76,7 +77,7 @@ class Stack:
         }
         self.database = Database(self.settings.database_url)
         self.celery = make_celery(self.settings)
-        self.store = ObjectStore.from_settings(self.settings, self.database)
+        self.store = open_store(self.settings, self.database)
         self.processes: list[subprocess.Popen[bytes]] = []
 
     # processes

@@ -31,7 +31,7 @@ from shapery_platform import dispatch, jobs, publication
 from shapery_platform.db import Database
 from shapery_platform.jobs import ClaimedJob
 from shapery_platform.settings import Settings
-from shapery_platform.storage import ObjectStore
+from shapery_platform.storage.opening import open_store
 from shapery_worker.bank_line import BankServer
 from shapery_worker.board import Board
 from shapery_worker.handler_process import HandlerProcess
@@ -82,7 +82,7 @@ class Runtime:
     def open(self) -> None:
         """Open database and store, in the process that uses them."""
         self.database = Database(self.settings.database_url, pool_size=2)
-        self.store = ObjectStore.from_settings(self.settings, self.database)
+        self.store = open_store(self.settings, self.database)
         self.scratch = scratch_root(self.settings, self.service)
         self.turns = Turns(self.scratch.parent / f".turns-{self.service}")
         self.metrics = JobMetrics(self.service)

@@ -21,7 +21,7 @@ from shapery_platform import dispatch, jobs, queue, retention
 from shapery_platform.db import Database
 from shapery_platform.queue import make_celery
 from shapery_platform.settings import Settings
-from shapery_platform.storage import ObjectStore
+from shapery_platform.storage.opening import open_store
 from shapery_worker.settings import scratch_root
 from shapery_worker.stop_signal import StopSignal
 
@@ -112,7 +112,7 @@ class Reaper:
             logger.info("sent the messages of %d queued jobs", sent)
 
     def _expire(self) -> None:
-        store = ObjectStore.from_settings(self._settings, self._database)
+        store = open_store(self._settings, self._database)
         retention.run_once(self._database, store, self._settings)
 
     def _attempt(self, name: str, action: Callable[[], None]) -> bool:

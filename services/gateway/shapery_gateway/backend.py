@@ -21,7 +21,7 @@ from shapery_platform import keys, watching, workers
 from shapery_platform.db import Database
 from shapery_platform.jobs.recovery import QueuedJob
 from shapery_platform.settings import Settings
-from shapery_platform.storage import ObjectStore
+from shapery_platform.storage.opening import open_store
 from shapery_platform.storage.staging import UploadStaging
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ class Backend:
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
         self.database = Database(settings.database_url)
-        self.store = ObjectStore.from_settings(settings, self.database)
+        self.store = open_store(settings, self.database)
         self.staging = UploadStaging.over(self.store)
         # Apart from the threads of the routes: uploads that wait for a slow disk must not hold up everything else.
         self._storage_threads = CapacityLimiter(STORAGE_THREADS)

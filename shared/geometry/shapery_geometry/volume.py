@@ -264,7 +264,7 @@ class Volume:
         # Imported here because the kernels bring numba, which takes longer to import than most volumes to read.
         from shapery_geometry.resampling import resample
 
-        return resample(self, grid, method=method, fill=fill)
+        return Volume(resample(self.data, self.affine, grid.shape, grid.affine, method=method, fill=fill), grid.affine)
 
 
 @dataclass(frozen=True, eq=False)

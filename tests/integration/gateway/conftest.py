@@ -11,9 +11,7 @@ from typing import Any
 from uuid import UUID
 
 import httpx
-import psycopg
 import pytest
-from psycopg import sql
 
 from shapery_contracts.api import Scope
 from shapery_platform import jobs, keys
@@ -21,41 +19,11 @@ from shapery_platform.db import Database
 from shapery_platform.jobs import NewArtifact
 from shapery_platform.settings import Settings, load_settings
 from shapery_platform.storage import ObjectStore
+from shapery_platform.storage.opening import open_store
 from tests.support import shapes as fake
 from tests.support.gateway import nifti, served
-from tests.support.postgres import PostgresServer, postgres_server
-from tests.support.s3 import S3Server, s3_server
-
-
-@pytest.fixture(scope="session")
-def postgres() -> Iterator[PostgresServer]:
-    with postgres_server() as server:
-        yield server
-
-
-@pytest.fixture(scope="session")
-def s3() -> Iterator[S3Server]:
-    with s3_server() as server:
-        yield server
-
-
-@pytest.fixture(scope="session")
-def migrated_sqlite(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("migrated") / "shapery.db"
-    database = Database(f"sqlite:///{path}")
-    database.migrate()
-    database.dispose()
-    return path
-
-
-@pytest.fixture(scope="session")
-def migrated_postgres(postgres: PostgresServer) -> str:
-    url = postgres.create_database()
-    database = Database(url)
-    database.migrate()
-    database.dispose()
-    return url.rsplit("/", 1)[-1]
-
+from tests.support.postgres import PostgresServer
+from tests.support.s3 import S3Server
 
 Make = Callable[..., Settings]
 
@@ -79,14 +47,9 @@ def make_settings(request: pytest.FixtureRequest, local_settings: Make) -> Itera
         return
     server: PostgresServer = request.getfixturevalue("postgres")
     s3: S3Server = request.getfixturevalue("s3")
-    template: str = request.getfixturevalue("migrated_postgres")
-    name = f"{template}_{abs(hash(request.node.nodeid))}"
-    with psycopg.connect(server.url("postgres"), autocommit=True) as connection:
-        connection.execute(
-            sql.SQL("CREATE DATABASE {} TEMPLATE {}").format(sql.Identifier(name), sql.Identifier(template))
-        )
-    yield lambda **overrides: local_settings(database_url=server.url(name), **s3.settings(), **overrides)
-    server.drop_database(server.url(name))
+    url = server.create_database(template=request.getfixturevalue("migrated_postgres"))
+    yield lambda **overrides: local_settings(database_url=url, **s3.settings(), **overrides)
+    server.drop_database(url)
 
 
 @dataclass
@@ -157,7 +120,7 @@ def serve() -> Iterator[Serve]:
         def start(settings: Settings) -> Platform:
             database = Database(settings.database_url)
             stack.callback(database.dispose)
-            store = ObjectStore.from_settings(settings, database)
+            store = open_store(settings, database)
             return Platform(settings, database, store, stack.enter_context(served(settings)))
 
         yield start

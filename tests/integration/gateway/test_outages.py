@@ -5,10 +5,8 @@ from __future__ import annotations
 import threading
 
 import httpx
-import psycopg
 import pytest
 from httpx_sse import EventSource
-from psycopg import sql
 
 from tests.integration.gateway.conftest import Make, Serve, submit, upload
 from tests.support.gateway import OFFSET_STREAM, TUS, nifti
@@ -21,12 +19,7 @@ pytestmark = pytest.mark.server
 def test_a_database_that_restarts(
     local_settings: Make, serve: Serve, postgres: PostgresServer, migrated_postgres: str
 ) -> None:
-    name = f"{migrated_postgres}_outage"
-    with psycopg.connect(postgres.url("postgres"), autocommit=True) as connection:
-        connection.execute(
-            sql.SQL("CREATE DATABASE {} TEMPLATE {}").format(sql.Identifier(name), sql.Identifier(migrated_postgres))
-        )
-    platform = serve(local_settings(database_url=postgres.url(name)))
+    platform = serve(local_settings(database_url=postgres.create_database(template=migrated_postgres)))
     states: list[str] = []
     with platform.client() as client:
         job = submit(client)

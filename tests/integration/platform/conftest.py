@@ -1,5 +1,5 @@
 """Every test of this folder that asks for `database` runs on SQLite and on PostgreSQL, and one that asks for `store`
-on a local folder and on S3. The servers run once per session."""
+on a local folder and on S3."""
 
 from __future__ import annotations
 
@@ -23,10 +23,11 @@ from shapery_platform.db.models import Base, Shape
 from shapery_platform.jobs import ClaimedJob
 from shapery_platform.settings import Settings, load_settings
 from shapery_platform.storage import ObjectStore, UploadStaging
+from shapery_platform.storage.opening import open_store
 from tests.support import shapes as fake
-from tests.support.postgres import PostgresServer, postgres_server
+from tests.support.postgres import PostgresServer
 from tests.support.redis import RedisServer, redis_server
-from tests.support.s3 import S3Server, s3_server
+from tests.support.s3 import S3Server
 
 Index = Callable[..., UUID]
 Claim = Callable[..., ClaimedJob]
@@ -34,18 +35,6 @@ Claim = Callable[..., ClaimedJob]
 VOLUME = FileFormat(kind=AssetKind.VOLUME, format="nifti1", media_type="application/x-nifti", extension=".nii")
 DATABASES = ["sqlite", pytest.param("postgresql", marks=pytest.mark.server)]
 STORES = ["local", pytest.param("s3", marks=pytest.mark.server)]
-
-
-@pytest.fixture(scope="session")
-def postgres() -> Iterator[PostgresServer]:
-    with postgres_server() as server:
-        yield server
-
-
-@pytest.fixture(scope="session")
-def s3() -> Iterator[S3Server]:
-    with s3_server() as server:
-        yield server
 
 
 @pytest.fixture(scope="session")
@@ -61,23 +50,9 @@ def redis(redis_session: RedisServer) -> RedisServer:
 
 
 @pytest.fixture(scope="session")
-def migrated_sqlite(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A migrated database to copy: quicker than to migrate for every test."""
-    path = tmp_path_factory.mktemp("migrated") / "shapery.db"
-    database = Database(f"sqlite:///{path}")
-    database.migrate()
-    database.dispose()
-    return path
-
-
-@pytest.fixture(scope="session")
-def migrated_postgres(postgres: PostgresServer) -> str:
-    """The address of a migrated database, which tests use one after the other."""
-    url = postgres.create_database()
-    database = Database(url)
-    database.migrate()
-    database.dispose()
-    return url
+def emptied_postgres(postgres: PostgresServer, migrated_postgres: str) -> str:
+    """The address of a database that tests use one after the other."""
+    return postgres.create_database(template=migrated_postgres)
 
 
 def empty(url: str) -> None:
@@ -94,7 +69,7 @@ def database_url(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[str
         shutil.copyfile(request.getfixturevalue("migrated_sqlite"), target)
         yield f"sqlite:///{target}"
         return
-    url: str = request.getfixturevalue("migrated_postgres")
+    url: str = request.getfixturevalue("emptied_postgres")
     yield url
     empty(url)
 
@@ -126,19 +101,19 @@ def storage_settings(request: pytest.FixtureRequest, tmp_path: Path) -> Settings
 @pytest.fixture
 def store(storage_settings: Settings) -> ObjectStore:
     """A store that pins nothing."""
-    return ObjectStore.from_settings(storage_settings)
+    return open_store(storage_settings)
 
 
 @pytest.fixture
 def pinned_store(storage_settings: Settings, database: Database) -> ObjectStore:
     """A store that pins in the database."""
-    return ObjectStore.from_settings(storage_settings, database)
+    return open_store(storage_settings, database)
 
 
 @pytest.fixture
 def local_store(settings: Settings, database: Database) -> ObjectStore:
     """A local store, where a test is about the database alone."""
-    return ObjectStore.from_settings(settings, database)
+    return open_store(settings, database)
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from shapery_platform.db import Database
+from tests.support.databases import migrated
 from tests.support.s3 import S3Server
 
 MIB = 1 << 20
@@ -27,13 +27,14 @@ from shapery_platform import assets, uploads
 from shapery_platform.db import Database
 from shapery_platform.settings import load_settings
 from shapery_platform.storage import ObjectStore, UploadStaging
+from shapery_platform.storage.opening import open_store
 
 assets.sniff = lambda stream, size: FileFormat(
     kind=AssetKind.VOLUME, format="nifti1", media_type="x/y", extension=".nii")
 way, size, folder = sys.argv[1], int(sys.argv[2]), Path(sys.argv[4])
 settings = load_settings(min_free_bytes=0, **json.loads(sys.argv[3]))
 database = Database(settings.database_url)
-store = ObjectStore.from_settings(settings, database)
+store = open_store(settings, database)
 staging = UploadStaging.over(store)
 block = bytes(range(256)) * 4096
 
@@ -102,9 +103,7 @@ def storage(request: pytest.FixtureRequest) -> tuple[int, dict[str, str]]:
 def test_peak_memory_does_not_grow_with_the_file(storage: tuple[int, dict[str, str]], tmp_path: Path, way: str) -> None:
     size, where = storage
     settings: dict[str, Any] = {"home": str(tmp_path), **where}
-    database = Database(f"sqlite:///{tmp_path}/shapery.db")
-    database.migrate()
-    database.dispose()
+    migrated(f"sqlite:///{tmp_path}/shapery.db")
     done = subprocess.run(
         [sys.executable, "-c", SCRIPT, way, str(size), json.dumps(settings), str(tmp_path)],
         check=True,

@@ -14,6 +14,7 @@ from shapery_contracts.errors import LimitExceeded, Unavailable
 from shapery_platform.settings import load_settings
 from shapery_platform.storage import ObjectStore, StoredBlob, StoredObjectMissing, object_key
 from shapery_platform.storage.local import LocalStore
+from shapery_platform.storage.opening import open_store
 from tests.support import processes
 
 SMALL = b"a surface hidden in a volume"
@@ -274,5 +275,5 @@ def test_an_unreachable_store_is_told_from_a_missing_object(tmp_path: Path) -> N
         s3_secret_key="not-a-real-secret",
     )
     with pytest.raises(Unavailable) as caught:
-        ObjectStore.from_settings(settings).ping()
+        open_store(settings).ping()
     assert caught.value.code == "service_unavailable"

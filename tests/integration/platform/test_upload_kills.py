@@ -16,7 +16,8 @@ import pytest
 from shapery_platform import assets, uploads
 from shapery_platform.db import Database
 from shapery_platform.settings import load_settings
-from shapery_platform.storage import ObjectStore, UploadStaging, object_key
+from shapery_platform.storage import UploadStaging, object_key
+from shapery_platform.storage.opening import open_store
 from tests.integration.platform.conftest import VOLUME
 from tests.support.s3 import S3Server
 
@@ -30,10 +31,11 @@ from shapery_platform import uploads
 from shapery_platform.db import Database
 from shapery_platform.settings import load_settings
 from shapery_platform.storage import ObjectStore, UploadStaging
+from shapery_platform.storage.opening import open_store
 
 settings = load_settings(**json.loads(sys.argv[1]))
 database = Database(settings.database_url)
-store = ObjectStore.from_settings(settings, database)
+store = open_store(settings, database)
 staging = UploadStaging.over(store)
 uploads._SETTLE_EVERY = 1 << 19
 # the one killed before holds the upload for a shorter time than in earnest
@@ -71,7 +73,7 @@ def test_an_upload_survives_kills_at_any_moment(where: dict[str, str], tmp_path:
     settings = load_settings(**chosen)
     database = Database(settings.database_url)
     database.migrate()
-    store = ObjectStore.from_settings(settings, database)
+    store = open_store(settings, database)
     staging = UploadStaging.over(store)
     with database.session() as session:
         upload_id: UUID = uploads.create(session, staging, settings, "ann", len(DATA), {}).id

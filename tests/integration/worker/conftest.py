@@ -7,19 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from shapery_platform.db import Database
-from tests.support.postgres import PostgresServer, postgres_server
+from tests.support.databases import migrated
 from tests.support.redis import RedisServer, redis_server
 from tests.support.stack import Stack, running_stack
 
 QUICK = {"lease_seconds": 3.0, "heartbeat_interval": 0.5}
 """A pulse at which tests need not wait long for the loss of a worker to be noticed."""
-
-
-@pytest.fixture(scope="session")
-def postgres() -> Iterator[PostgresServer]:
-    with postgres_server() as server:
-        yield server
 
 
 @pytest.fixture(scope="module", params=["sqlite", "postgresql"])
@@ -30,13 +23,6 @@ def any_database_url(request: pytest.FixtureRequest, tmp_path_factory: pytest.Te
     else:
         url = request.getfixturevalue("postgres").create_database()
     return migrated(url)
-
-
-def migrated(url: str) -> str:
-    database = Database(url)
-    database.migrate()
-    database.dispose()
-    return url
 
 
 @pytest.fixture(scope="module")

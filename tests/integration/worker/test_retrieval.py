@@ -16,7 +16,7 @@ from shapery_contracts.retrieval import DEFAULT_COLLECTION
 from shapery_contracts.states import JobState
 from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.mesh_io import read_mesh, write_mesh
-from tests.integration.worker.conftest import migrated
+from tests.support.databases import migrated
 from tests.support.gateway import served
 from tests.support.redis import redis_server
 from tests.support.stack import running_stack

@@ -23,9 +23,10 @@ from shapery_client._uploads import UploadJournal
 from shapery_contracts.api import Scope
 from shapery_platform import keys
 from shapery_platform.queue import connect
-from tests.integration.worker.conftest import QUICK, migrated
+from tests.integration.worker.conftest import QUICK
 from tests.support import bank_handlers, measures
 from tests.support import shapes as fake
+from tests.support.databases import migrated
 from tests.support.gateway import served, triangle
 from tests.support.redis import redis_server
 from tests.support.stack import Stack, running_stack

@@ -38,6 +38,7 @@ from shapery_platform.db.models import Job, JobArtifact, JobEvent
 from shapery_platform.jobs import ClaimedJob, NewArtifact
 from shapery_platform.settings import Settings, load_settings
 from shapery_platform.storage import ObjectStore
+from shapery_platform.storage.opening import open_store
 from tests.support.postgres import postgres_server
 
 VOLUME = FileFormat(kind=AssetKind.VOLUME, format="nifti1", media_type="x/y", extension=".nii")
@@ -275,7 +276,7 @@ def prepared(url: str, folder: Path) -> type[JobLifecycle]:
     if database.dialect == "sqlite":
         event.listen(database.engine, "connect", lambda connection, _: connection.execute("PRAGMA synchronous = OFF"))
         database.engine.dispose()
-    store = ObjectStore.from_settings(own, database)
+    store = open_store(own, database)
     blob = store.put_bytes(b"voxels")
     with database.session() as session:
         asset = assets.create_from_upload(session, store, own, "ann", blob.sha256, blob.size, "x", VOLUME)

@@ -13,13 +13,14 @@ from shapery_contracts.errors import InvalidInput
 from shapery_platform.jobs import ClaimedInput
 from shapery_platform.settings import load_settings
 from shapery_platform.storage import ObjectStore, object_key
+from shapery_platform.storage.opening import open_store
 from shapery_worker.publishing import UnusableOutput, list_output, media_type, store_output
 from shapery_worker.staging import StoredObjectDamaged, stage_inputs, unique_names
 
 
 @pytest.fixture
 def store(tmp_path: Path) -> ObjectStore:
-    return ObjectStore.from_settings(load_settings(home=tmp_path / "home", min_free_bytes=0))
+    return open_store(load_settings(home=tmp_path / "home", min_free_bytes=0))
 
 
 def stored(store: ObjectStore, data: bytes, filename: str, extension: str = ".nii.gz") -> ClaimedInput:

@@ -26,7 +26,7 @@ from shapery_platform import assets, jobs, workers
 from shapery_platform.db import Database, utc_now
 from shapery_platform.db.models import Job
 from shapery_platform.settings import load_settings
-from shapery_platform.storage import ObjectStore
+from shapery_platform.storage.opening import open_store
 from shapery_worker import cli
 from shapery_worker.broker import DeliveryWatch, PatientConnection, state
 from shapery_worker.health import check_health
@@ -34,6 +34,7 @@ from shapery_worker.metrics import MetricsServer
 from shapery_worker.reaper import Reaper, alive_file
 from shapery_worker.settings import THREAD_VARIABLES, WorkerSettings, processor_count, scratch_root
 from shapery_worker.stop_signal import StopSignal
+from tests.support.databases import migrated
 
 
 def test_threads_are_bounded_unless_the_operator_says_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -138,9 +139,7 @@ def test_a_lost_broker_is_tried_again_soon(monkeypatch: pytest.MonkeyPatch) -> N
 @pytest.fixture
 def settings(tmp_path: Path) -> Any:
     made = load_settings(home=tmp_path, redis_url=f"unix://{tmp_path}/nobody.sock", min_free_bytes=0)
-    database = Database(made.database_url)
-    database.migrate()
-    database.dispose()
+    migrated(made.database_url)
     return made
 
 
@@ -186,10 +185,10 @@ def test_a_message_lost_in_a_queue_that_never_drains_is_sent_again(
     settings: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     database = Database(settings.database_url)
-    asset = ObjectStore.from_settings(settings, database).put_bytes(b"volume")
+    asset = open_store(settings, database).put_bytes(b"volume")
     with database.session() as session:
         volume = FileFormat(kind=AssetKind.VOLUME, format="nifti1", media_type="", extension=".nii")
-        store = ObjectStore.from_settings(settings, database)
+        store = open_store(settings, database)
         post = assets.create_from_upload(session, store, settings, "ann", asset.sha256, asset.size, "x", volume).id
     old, new, running = (create_job(database, settings, post) for _ in range(3))
     with database.session() as session:

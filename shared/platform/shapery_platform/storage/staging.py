@@ -17,7 +17,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from io import FileIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from uuid import UUID
 
 from typing_extensions import override
@@ -25,10 +25,8 @@ from typing_extensions import override
 from shapery_platform.db.types import new_id
 from shapery_platform.storage.content import CHUNK, StagingLost, StoredBlob, StoredObjectMissing, disk_errors
 from shapery_platform.storage.local import LocalStore, write_all
+from shapery_platform.storage.s3 import S3Store
 from shapery_platform.storage.store import STAGING, ObjectStore, file_chunks
-
-if TYPE_CHECKING:
-    from shapery_platform.storage.s3 import S3Store
 
 _REMEMBERED = 1024
 """Uploads whose hash so far is kept in memory; of the others the bytes are read back at the end."""
@@ -78,8 +76,6 @@ class UploadStaging(ABC):
         """Return the staging that belongs to a store."""
         if isinstance(store, LocalStore):
             return LocalStaging(store)
-        from shapery_platform.storage.s3 import S3Store
-
         assert isinstance(store, S3Store)
         return S3Staging(store)
 

@@ -11,14 +11,9 @@ from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, BinaryIO, Self
-from urllib.parse import unquote, urlsplit
+from typing import Any, BinaryIO, Self
 
 from shapery_platform.storage.content import CHUNK, Pin, StoredBlob
-
-if TYPE_CHECKING:
-    from shapery_platform.db import Database
-    from shapery_platform.settings import Settings
 
 TEMPORARY = "tmp/"
 """Prefix of what is being written and has no name yet."""
@@ -71,40 +66,7 @@ class ObjectStore(ABC):
     """Objects by key. Blobs live under the key that their hash gives (`object_key`)."""
 
     pin: Pin | None = None
-
-    @classmethod
-    def from_settings(cls, settings: Settings, database: Database | None = None) -> ObjectStore:
-        """Open the store that `settings.storage_url` names.
-
-        Parameters
-        ----------
-        settings
-            Address, credentials and the space to be left free.
-        database
-            Where blobs are pinned before they are published. A process that publishes blobs must give it.
-        """
-        parts = urlsplit(settings.storage_url)
-        store: ObjectStore
-        if parts.scheme == "file":
-            from shapery_platform.storage.local import LocalStore
-
-            store = LocalStore(Path(unquote(parts.path)), min_free_bytes=settings.min_free_bytes)
-        else:
-            from shapery_platform.storage.s3 import S3Store
-
-            store = S3Store(
-                parts.netloc,
-                parts.path.strip("/"),
-                endpoint=settings.s3_endpoint,
-                region=settings.s3_region,
-                access_key=settings.s3_access_key,
-                secret_key=settings.s3_secret_key.get_secret_value() if settings.s3_secret_key else None,
-            )
-        if database is not None:
-            from shapery_platform.blobs import pinner
-
-            store.pin = pinner(database)
-        return store
+    """Called before a blob is published; `open_store` sets it."""
 
     @abstractmethod
     def writer(self, expected: int | None = None) -> BlobWriter:
