@@ -107,8 +107,6 @@ def describe(mesh: TriangleMesh, *, on_stage: OnStage | None = None) -> Descript
     ------
     InvalidInput
         ``empty_content`` or ``invalid_mesh`` for what has no surface that could be described.
-    Unavailable
-        ``missing_dependency`` where the mesh is large and the library that reduces it is not installed.
     """
     seconds: dict[str, float] = {}
     began = time.perf_counter()

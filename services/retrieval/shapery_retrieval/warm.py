@@ -5,6 +5,7 @@ from __future__ import annotations
 
 def warm() -> None:
     """Index two small shapes, match them and search, which runs all kernels."""
+    from shapery_geometry.decimation import decimate
     from shapery_geometry.mesh import icosphere
     from shapery_retrieval.describe import describe
     from shapery_retrieval.preview import preview
@@ -18,6 +19,7 @@ def warm() -> None:
     searcher.search(found[0].arg)
     searcher.search(found[0].arg, partial=True)
     preview(egg, 32)
+    decimate(ball, 100)
 
 
 if __name__ == "__main__":

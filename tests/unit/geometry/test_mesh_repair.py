@@ -223,95 +223,13 @@ def test_nothing_is_repaired_to_nothing() -> None:
     assert report.components == 0
 
 
-# decimation -------------------------------------------------------------------------------------------------------
+# what is loaded -------------------------------------------------------------------------------------------------------
 
 
 def run(code: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, "-c", textwrap.dedent(code)], capture_output=True, text=True, check=False, cwd=ROOT
     )
-
-
-def test_decimation_keeps_the_shape() -> None:
-    done = run(
-        """
-        from shapery_geometry.decimation import decimate
-        from shapery_geometry.mesh import icosphere
-        sphere = icosphere((5, 6, 7), 10, 3)
-        few = decimate(sphere, 300)
-        assert 280 <= len(few.faces) <= 300, few
-        assert few.closed and few.manifold and few.oriented and few.genus == 0
-        assert abs(few.volume / sphere.volume - 1) < 0.02
-        assert decimate(sphere, 5000) is sphere
-        try:
-            decimate(sphere, 3)
-        except ValueError as error:
-            assert "4 faces" in str(error)
-        else:
-            raise AssertionError
-        print("done")
-        """
-    )
-    if "missing_dependency" in done.stderr or "Unavailable" in done.stderr:
-        pytest.skip(f"pymeshlab cannot be loaded here: {done.stderr.strip().splitlines()[-1]}")
-    assert done.stdout == "done\n", done.stderr
-
-
-@pytest.mark.parametrize(
-    ("failure", "words"),
-    [
-        (
-            'ImportError("libOpenGL.so.0: cannot open shared object file: No such file or directory")',
-            ["and libOpenGL.so.0 cannot be loaded", "apt-get install libgl1 libopengl0"],
-        ),
-        (
-            "ModuleNotFoundError(\"No module named 'pymeshlab'\", name='pymeshlab')",
-            ["not installed", "shapery-geometry[repair]"],
-        ),
-    ],
-)
-def test_without_its_libraries_decimation_says_what_to_install(failure: str, words: list[str]) -> None:
-    done = run(
-        f"""
-        import sys
-        class Loader:
-            def find_spec(self, name, path=None, target=None):
-                if name == "pymeshlab":
-                    raise {failure}
-        sys.meta_path.insert(0, Loader())
-        from shapery_contracts.errors import Unavailable
-        from shapery_geometry.decimation import decimate
-        from shapery_geometry.mesh import icosphere
-        import shapery_geometry.mesh_io, shapery_geometry.repair, shapery_geometry.operators
-        try:
-            decimate(icosphere(), 100)
-        except Unavailable as error:
-            print(error.code, error)
-        """
-    )
-    assert done.stdout.startswith("missing_dependency "), done.stderr
-    for word in words:
-        assert word in done.stdout
-
-
-def test_pymeshlab_that_loads_without_its_parts_is_told_apart() -> None:
-    done = run(
-        """
-        import sys, types
-        partial = types.ModuleType("pymeshlab")
-        partial.MeshSet = type("MeshSet", (), {})
-        sys.modules["pymeshlab"] = partial
-        from shapery_contracts.errors import Unavailable
-        from shapery_geometry.decimation import decimate
-        from shapery_geometry.mesh import icosphere
-        try:
-            decimate(icosphere(), 100)
-        except Unavailable as error:
-            print(error.code, error)
-        """
-    )
-    assert done.stdout.startswith("missing_dependency "), done.stderr
-    assert "apt-get install libgl1 libopengl0" in done.stdout
 
 
 def test_reading_and_repairing_load_no_heavy_library() -> None:
@@ -321,7 +239,7 @@ def test_reading_and_repairing_load_no_heavy_library() -> None:
         import shapery_geometry
         assert "numpy" not in sys.modules
         import shapery_geometry.mesh_io, shapery_geometry.sequence
-        print(sorted({name for name in ("numba", "trimesh", "pymeshlab") if name in sys.modules}))
+        print(sorted({name for name in ("numba", "trimesh") if name in sys.modules}))
         """
     )
     assert done.stdout == "[]\n", done.stderr
