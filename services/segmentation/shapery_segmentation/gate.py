@@ -29,8 +29,9 @@ REACH = 2.9
 """mm beyond dense voxels in which the surface may move: sharp corners are less dense than their inside."""
 
 LEVEL = 0.45
-"""Share of the median enhancement inside at which the border lies. Less than half: the darker margin of a tumor belongs
-to it, and partial volume with the dark necrosis shifts the half maximum inwards."""
+"""Share of the way from what surrounds an object to the median inside at which its border lies. Less than half: the
+darker margin of a tumor belongs to it, and partial volume with the dark necrosis shifts the half maximum inwards. What
+surrounds it need not be normal brain, which is 0: edema and fluid are darker after contrast, too."""
 
 LEVEL_RANGE = (1.2, 2.25)
 """Bounds of the threshold in units of the calibrated difference: below, normal tissue begins; above, a bright tumor
@@ -45,7 +46,7 @@ contrast to its surroundings as it was, within a tenth; normal tissue that is a 
 fields that differ between the volumes raise whole lobes) takes a fifth of it away with every step."""
 
 MUCH_MORE = 1.05
-"""Growth of a region, relative, from which it is asked about its contrast."""
+"""Growth of a region, relative, since it was last asked about its contrast, from which it is asked again."""
 
 _MARGIN = 8
 """Voxels between a region and the border of the box it is worked out in; the density looks 6 mm far."""
@@ -67,6 +68,8 @@ class Region:
         In units of the calibrated difference.
     floor
         What the threshold must not fall below, because the region would take in what surrounds it.
+    ground
+        Median of what surrounds the region.
     """
 
     box: tuple[slice, slice, slice]
@@ -74,11 +77,24 @@ class Region:
     allowed: BoolArray
     threshold: float
     floor: float = LEVEL_RANGE[0]
+    ground: float = 0.0
 
 
-def running_threshold(values: NDArray[np.floating]) -> float:
-    """Return the threshold that follows from the enhancement inside an object: 0.45 of its median, within bounds."""
-    return float(np.clip(LEVEL * float(np.median(values)), *LEVEL_RANGE))
+def running_threshold(values: NDArray[np.floating], ground: float = 0.0) -> float:
+    """Return the threshold that follows from the enhancement inside an object and around it.
+
+    Parameters
+    ----------
+    values : (n,) float32
+        Inside.
+    ground
+        What surrounds the object.
+
+    Returns
+    -------
+    0.45 of the way from `ground` to the median of `values`, within bounds.
+    """
+    return float(np.clip(ground + LEVEL * (float(np.median(values)) - ground), *LEVEL_RANGE))
 
 
 def dense(enhancing: BoolArray, spacing: float) -> BoolArray:
@@ -112,16 +128,32 @@ def contrast(field: FloatArray, brain: BoolArray, inside: BoolArray, whole: Bool
     Median inside minus median of the shell from 2 to 6 mm around it, over 1.4826 MAD of the shell; infinite where there
     is no shell or no variation in it.
     """
+    return _stands_out(field[inside], surroundings(field, brain, whole, spacing))
+
+
+def surroundings(field: FloatArray, brain: BoolArray, whole: BoolArray, spacing: float) -> tuple[float, float]:
+    """Return median and robust deviation (1.4826 MAD) in the shell around an object; 0 and 0 where there is no shell.
+
+    Parameters
+    ----------
+    field, brain, whole, spacing
+        See `contrast`.
+    """
     near, far = within_each(whole, [radius / spacing for radius in SURROUNDINGS])
     around = field[far & ~near & brain]
     if not len(around):
-        return float("inf")
+        return 0.0, 0.0
     middle = float(np.median(around))
-    deviation = 1.4826 * float(np.median(np.abs(around - middle)))
-    return (float(np.median(field[inside])) - middle) / deviation if deviation > 0 else float("inf")
+    return middle, 1.4826 * float(np.median(np.abs(around - middle)))
 
 
-def reach(field: FloatArray, brain: BoolArray, seed: BoolArray, spacing: float, *, rounds: int = 4) -> Region:
+def _stands_out(values: FloatArray, around: tuple[float, float]) -> float:
+    """Return how far the median of `values` lies above what is around, in deviations of that."""
+    ground, deviation = around
+    return (float(np.median(values)) - ground) / deviation if deviation > 0 else float("inf")
+
+
+def reach(field: FloatArray, brain: BoolArray, seed: BoolArray, spacing: float, *, rounds: int = 8) -> Region:
     """Return the region that `seed` reaches.
 
     Parameters
@@ -138,11 +170,11 @@ def reach(field: FloatArray, brain: BoolArray, seed: BoolArray, spacing: float, 
 
     Notes
     -----
-    In turns: threshold from the median of what is inside; dense voxels whose six neighbours enhance too, as far as they
-    are connected to the inside; 2.9 mm around them; the enhancing voxels in there that are connected to the inside. The
-    threshold falls as the region takes in weaker parts; the gate keeps it from taking in everything, and a step that
-    costs more than 15 % of the contrast to the surroundings is not taken. All this is done in a box around the
-    seed; as soon as the region gets near its end, it begins again in a larger one.
+    In turns: threshold from the medians of what is inside and around it; dense voxels whose six neighbours enhance
+    too, as far as they are connected to the inside; 2.9 mm around them; the enhancing voxels in there that are
+    connected to the inside. The threshold falls as the region takes in weaker parts; the gate keeps it from taking in
+    everything, and a step that costs more than 15 % of the contrast to the surroundings is not taken. All this is done
+    in a box around the seed; as soon as the region gets near its end, it begins again in a larger one.
     """
     box = box_around(seed, seed.shape, 3 * _MARGIN)
     while True:
@@ -177,14 +209,15 @@ def _reach_in(
     values, usable, inside = field[box], brain[box], seed[box]
     allowed = inside
     threshold, previous = 0.0, -1
+    asked, stood_out = 0, 0.0
     last: Region | None = None
-    stood_out: float | None = None
 
-    def stands_out(part: BoolArray) -> float:
-        return contrast(values, usable, part, fill_enclosed(part, spacing) | part, spacing)
+    def around(part: BoolArray) -> tuple[float, float]:
+        return surroundings(values, usable, fill_enclosed(part, spacing) | part, spacing)
 
+    outside = around(inside)
     for _ in range(rounds):
-        threshold = running_threshold(values[inside])
+        threshold = running_threshold(values[inside], outside[0])
         enhancing = (values > threshold) & usable
         solid = dense(enhancing, spacing) & eroded(enhancing)
         core = connected(solid, inside)
@@ -197,13 +230,14 @@ def _reach_in(
         if count == 0:
             inside = seed[box]
             break
-        if last is not None and count > MUCH_MORE * previous:
-            before = stands_out(last.inside) if stood_out is None else stood_out
-            stood_out = stands_out(inside)
-            if stood_out < LEAST_CONTRAST_KEPT * before:
+        outside = around(inside)
+        if count > MUCH_MORE * asked:
+            stands_out = _stands_out(values[inside], outside)
+            if last is not None and stands_out < LEAST_CONTRAST_KEPT * stood_out:
                 return replace(last, floor=last.threshold)
+            asked, stood_out = count, stands_out
         if abs(count - previous) <= 0.002 * count or _near_end(inside, box, brain.shape):
             break
         previous = count
-        last = Region(box, inside, allowed, threshold)
-    return Region(box, inside, allowed, threshold)
+        last = Region(box, inside, allowed, threshold, ground=outside[0])
+    return Region(box, inside, allowed, threshold, ground=outside[0])

@@ -239,6 +239,7 @@ def flow_start(brain: Brain, calibration: Calibration, region: Region, params: S
             edge_lengths=(coarse * edge, edge),
             curvature_weight=params.smoothing,
             topology=params.topology,
+            threshold_ground=region.ground,
             threshold_range=(region.floor, LEVEL_RANGE[1]),
         ),
         point=to_ball[:3, :3] @ start + to_ball[:3, 3],

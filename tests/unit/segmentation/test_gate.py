@@ -64,6 +64,7 @@ def test_threshold_runs_between_its_bounds() -> None:
     assert running_threshold(np.full(5, 4.0)) == pytest.approx(1.8)
     assert running_threshold(np.full(5, 1.0)) == 1.2
     assert running_threshold(np.full(5, 50.0)) == 2.25
+    assert running_threshold(np.full(5, 4.0), -1.0) == pytest.approx(1.25)
 
 
 def test_reach_fills_the_object_and_stops_at_a_vessel() -> None:
@@ -118,10 +119,16 @@ def test_reach_takes_in_weak_margins_but_no_bright_tissue() -> None:
     dark = reach(np.where(tumor, strength, tissue(-0.9)).astype(np.float32), brain, seed, 1.0)
     assert intersection_over_union(dark.inside, tumor[dark.box]) > 0.9
     assert dark.floor == 1.2
-    # A bias field that differs between the volumes raises a lobe; the threshold that falls must not reach it.
+    # The border is looked for between what is inside and what is around, not above zero.
     bright = reach(np.where(tumor, strength, tissue(0.95)).astype(np.float32), brain, seed, 1.0)
-    assert intersection_over_union(bright.inside, tumor[bright.box]) > 0.75
-    assert bright.floor == bright.threshold > 1.2
+    assert intersection_over_union(bright.inside, tumor[bright.box]) > 0.8
+    assert dark.ground < -0.7
+    assert bright.ground > 0.7
+    # A bias field that differs between the volumes raises a lobe; the threshold that falls must not reach it.
+    lobe = tissue(0.0) + np.where(INDEX[..., 0] > 40, 1.2, 0.0)
+    beside = reach(np.where(tumor, strength, lobe).astype(np.float32), brain, seed, 1.0)
+    assert intersection_over_union(beside.inside, tumor[beside.box]) > 0.75
+    assert beside.floor == beside.threshold > 1.2
 
 
 def test_contrast_tells_objects_from_the_tail_of_normal_tissue() -> None:

@@ -384,7 +384,8 @@ class Evolution:
         inside = median_inside(self.field, self.affine, self.mesh.to_triangle_mesh())
         if inside is None:
             return False
-        self.threshold = float(np.clip(p.threshold_share * inside, *p.threshold_range))
+        ground = p.threshold_ground
+        self.threshold = float(np.clip(ground + p.threshold_share * (inside - ground), *p.threshold_range))
         if abs(self.threshold - self._settled_threshold) <= STILL:
             return False
         self._settled_threshold = self.threshold

@@ -30,6 +30,8 @@ class NormalFlowParams:
         Share of the way to the mean of its neighbours that it moves across its normal, which spreads vertices evenly.
     threshold_share
         The threshold follows this share of the median inside the surface; none: it stays as given.
+    threshold_ground
+        What surrounds the object; the share is one of the way from there to the median.
     threshold_range
         Bounds that the running threshold is kept in.
     threshold_interval
@@ -79,6 +81,7 @@ class NormalFlowParams:
     curvature_weight: float = 0.12
     tangential_weight: float = 0.4
     threshold_share: float | None = 0.45
+    threshold_ground: float = 0.0
     threshold_range: tuple[float, float] = (1.2, 2.25)
     threshold_interval: int = 10
     balloon: float = 0.3
