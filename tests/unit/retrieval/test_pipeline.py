@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import Phase, given, settings
+from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from shapery_contracts.errors import InvalidInput
-from shapery_geometry.mesh import TriangleMesh
+from shapery_geometry.mesh import TriangleMesh, icosphere
 from shapery_geometry.mesh_io import read_mesh
 from shapery_retrieval.arg import Arg
 from shapery_retrieval.describe import Description, build_arg
 from shapery_retrieval.matching import match
+from shapery_retrieval.nodes import stacked_signals
+from shapery_retrieval.normalise import MAX_FACES, normalise
+from shapery_retrieval.signals import compute_signals
 from shapery_retrieval.vector import cue_distances, pack
 from shapery_retrieval.vocabulary import vocabulary
 
@@ -30,6 +35,43 @@ def shuffled(mesh: TriangleMesh, seed: int) -> TriangleMesh:
 @pytest.mark.parametrize("seed", [1, 2])
 def test_the_order_of_vertices_and_faces_changes_nothing(described_egg: Description, seed: int) -> None:
     assert build_arg(shuffled(egg(), seed)).to_bytes() == described_egg.arg.to_bytes()
+
+
+def test_nor_does_it_where_faces_are_reduced() -> None:
+    ball = icosphere(subdivisions=5)
+    bumpy = ball.with_vertices(ball.vertices * (1 + 0.2 * np.sin(3 * ball.vertices[:, [1]])) * [1.0, 1.3, 1.8])
+    reduced = normalise(bumpy)
+    assert reduced.changes == (("reduce_faces", len(bumpy.faces) - MAX_FACES),)
+    assert normalise(shuffled(bumpy, 3)).mesh.same_as(reduced.mesh)
+
+
+def signal_moments(mesh: TriangleMesh) -> np.ndarray:
+    """Means and deviations over the surface of every signal but the thickness, whose rays turn with the frame."""
+    signals = compute_signals(normalise(mesh))
+    columns = np.delete(stacked_signals(signals), 32, axis=1)
+    mean = signals.areas @ columns
+    return np.stack((mean, np.sqrt(signals.areas @ (columns - mean) ** 2)))
+
+
+@pytest.fixture(scope="module")
+def fine_egg() -> tuple[TriangleMesh, np.ndarray]:
+    """A surface that is analysed as it is (which edges are halved may follow their rounding), and its signals."""
+    mesh = egg(4)
+    return mesh, signal_moments(mesh)
+
+
+@pytest.mark.slow
+@settings(max_examples=8, deadline=None, phases=[Phase.generate])
+@given(st.integers(0, 10_000), st.floats(-6, 6), st.booleans())
+def test_signals_do_not_know_place_size_or_hand(
+    fine_egg: tuple[TriangleMesh, np.ndarray], seed: int, exponent: float, mirrored: bool
+) -> None:
+    mesh, known = fine_egg
+    rng = np.random.default_rng(seed)
+    turn = Rotation.random(rng=rng).as_matrix() * 10**exponent
+    points = mesh.vertices @ turn.T * ([-1, 1, 1] if mirrored else [1, 1, 1]) + rng.normal(size=3) * 10**exponent
+    other = mesh.with_vertices(points)
+    assert np.allclose(signal_moments(other.flipped() if mirrored else other), known, rtol=0, atol=1e-6)
 
 
 def moved(name: str) -> TriangleMesh:
