@@ -125,7 +125,9 @@ def _in_order(mesh: TriangleMesh) -> TriangleMesh:
     faces = rank[mesh.faces]
     turn = (np.argmin(faces, axis=1)[:, None] + np.arange(3)) % 3
     faces = np.take_along_axis(faces, turn, axis=1)
-    return TriangleMesh(mesh.vertices[order], faces[np.lexsort(faces.T[::-1])])
+    # by the first two corners in one number, then by the third
+    first = faces[:, 0].astype(np.int64) * len(order) + faces[:, 1]
+    return TriangleMesh(mesh.vertices[order], faces[np.lexsort((faces[:, 2], first))])
 
 
 def _without_specks(mesh: TriangleMesh, changes: list[tuple[str, int]]) -> TriangleMesh:

@@ -230,18 +230,19 @@ def orient(mesh: TriangleMesh, *, outward: bool = True) -> Repair:
     )
     if m == 0:
         return nothing
+    from shapery_geometry import _topology_kernels as kernels
+
     first, second, agree = _neighbours(mesh)
     # Each face is there twice, as it is (f) and turned over (m + f); what fits together is linked. A set of faces that
     # can be oriented falls into two halves, each an orientation; one that cannot hangs together as a whole.
     other = np.where(agree, second, second + m)
     mirror = np.where(agree, second + m, second)
     rows, columns = np.concatenate((first, first + m)), np.concatenate((other, mirror))
-    links = coo_array((np.ones(len(rows), dtype=np.int8), (rows, columns)), shape=(2 * m, 2 * m))
-    labels = connected_components(links.tocsr(), directed=False)[1].astype(np.int64)
+    labels = np.arange(2 * m, dtype=np.int32)
+    kernels.join_pairs(rows.astype(np.int32), columns.astype(np.int32), labels)
     as_is, turned = labels[:m], labels[m:]
-    patch = np.unique(np.minimum(as_is, turned), return_inverse=True)[1].reshape(-1)
-    one_sided = as_is == turned
-    # one orientation of each patch: that of the half with the smaller label
+    # the first face of a patch names it, and is as it is in the half that is looked at first
+    patch, one_sided = np.minimum(as_is, turned), as_is == turned
     flip = (turned < as_is) & ~one_sided
     sizes, flips = np.bincount(patch), np.bincount(patch, weights=flip)
     flip ^= (2 * flips > sizes)[patch] & ~one_sided
@@ -282,12 +283,16 @@ def submesh(mesh: TriangleMesh, faces: NDArray[np.bool_] | NDArray[np.integer]) 
 def _neighbours(mesh: TriangleMesh) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
     """Faces on both sides of each edge that has exactly two, and whether they agree on what is outside."""
     topology = mesh.topology
-    edge_of = topology.face_edges.reshape(-1)
-    two = topology.edge_face_counts == 2
-    half = np.flatnonzero(two[edge_of])
-    pairs = half[np.argsort(edge_of[half], kind="stable")].reshape(-1, 2)
-    first, second = pairs[:, 0] // 3, pairs[:, 1] // 3
-    agree = topology.half_edges[pairs[:, 0], 0] != topology.half_edges[pairs[:, 1], 0]
+    sides = topology.face_edges.reshape(-1)
+    # of the two sides on an edge the last one that is written stays, and each side finds either itself or the other
+    last = np.empty(len(topology.edges), dtype=np.int64)
+    last[sides] = np.arange(len(sides))
+    here = np.flatnonzero((topology.edge_face_counts == 2)[sides])
+    there = last[sides[here]]
+    here, there = here[here != there], there[here != there]
+    first, second = here // 3, there // 3
+    starts = mesh.faces.reshape(-1)
+    agree = starts[here] != starts[there]
     apart = first != second
     return first[apart], second[apart], agree[apart]
 
@@ -318,8 +323,12 @@ def _flat(mesh: TriangleMesh) -> NDArray[np.bool_]:
 
 def _duplicate(mesh: TriangleMesh) -> NDArray[np.bool_]:
     """(m,) whether an earlier face has the same vertices."""
-    rows = np.sort(mesh.faces, axis=1)
-    _, first = np.unique(rows, axis=0, return_index=True)
+    rows = np.sort(mesh.faces, axis=1).astype(np.int64)
+    n = max(len(mesh.vertices), 1)
+    if n < 1 << 21:
+        _, first = np.unique((rows[:, 0] * n + rows[:, 1]) * n + rows[:, 2], return_index=True)
+    else:
+        _, first = np.unique(rows, axis=0, return_index=True)
     result = np.ones(len(rows), dtype=bool)
     result[first] = False
     return result

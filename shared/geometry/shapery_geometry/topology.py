@@ -170,12 +170,10 @@ class Topology:
         result = np.full(self.vertex_count, -1, dtype=np.int32)
         if not len(self.faces):
             return 0, result
-        found, first, inverse = np.unique(labels[self.referenced], return_index=True, return_inverse=True)
-        # numbered by their first vertex
-        rank = np.empty(len(found), dtype=np.int32)
-        rank[np.argsort(first)] = np.arange(len(found), dtype=np.int32)
-        result[self.referenced] = rank[inverse.reshape(-1)]
-        return len(found), result
+        firsts = self.referenced & (labels == np.arange(self.vertex_count))
+        rank = np.cumsum(firsts, dtype=np.int32) - 1
+        result[self.referenced] = rank[labels[self.referenced]]
+        return int(firsts.sum()), result
 
     @property
     def component_count(self) -> int:
