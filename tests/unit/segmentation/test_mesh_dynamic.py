@@ -455,10 +455,11 @@ def test_a_mesh_is_brought_to_its_edge_length_and_with_care_where_that_made_cont
     remesh = DynamicMesh.remesh
 
     def noted(self: DynamicMesh, **given: int) -> object:
-        careless.append(int(self.arrays.layout[CARELESS]))
+        careless.append(int(given.get("careless", False)))
         return remesh(self, **given)  # type: ignore[arg-type]
 
-    answers = iter([touching])
+    # Where it touches itself after that, the surface to start from is asked, too.
+    answers = iter([touching, False])
     with monkeypatch.context() as patched:
         patched.setattr(DynamicMesh, "remesh", noted)
         patched.setattr(DynamicMesh, "touches_itself", lambda self: next(answers))
@@ -468,6 +469,33 @@ def test_a_mesh_is_brought_to_its_edge_length_and_with_care_where_that_made_cont
     assert mesh.arrays.bound[CLEARANCE] == DynamicMesh(icosphere(radius=6.0), 2.0).arrays.bound[CLEARANCE]
     assert defects(mesh) == []
     assert mesh.to_triangle_mesh().edge_lengths.mean() == pytest.approx(2.0, rel=0.2)
+
+
+def test_a_seed_that_touches_itself_is_refused_where_its_contacts_are_met() -> None:
+    a, b = icosphere((0, 0, 0), 2.0, 2), icosphere((3, 0, 0), 2.0, 2)
+    both = TriangleMesh(np.concatenate((a.vertices, b.vertices)), np.concatenate((a.faces, b.faces + len(a.vertices))))
+    mesh = DynamicMesh(both, 1.0, test=False)
+    with pytest.raises(InvalidInput, match="touch others"):
+        mesh.retriangulate(2)
+
+
+def test_a_vertex_drawn_through_its_star_is_mended_and_nothing_else_moves() -> None:
+    mesh = DynamicMesh(icosphere(radius=5.0, subdivisions=3), 1.0)
+    before = mesh.to_triangle_mesh()
+    assert mesh.mend(1)
+    assert mesh.to_triangle_mesh().same_as(before)
+    v = int(mesh.live[7])
+    star = mesh.arrays.points[v, :3].copy()
+    # Along the surface, beyond the neighbours: faces of its star lie on others.
+    way = np.cross(star, (0.3, 0.5, 0.8))
+    mesh.arrays.points[v, :3] = (star + 1.5 * way / np.linalg.norm(way)).astype(np.float32)
+    grid.measure_all(mesh.arrays)
+    assert mesh.touches_itself()
+    assert mesh.mend(4)
+    assert defects(mesh) == []
+    after = mesh.to_triangle_mesh()
+    assert np.linalg.norm(after.vertices - before.vertices, axis=1).max() < 1.0
+    assert (after.vertices != before.vertices).any(axis=1).sum() < 40
 
 
 def test_the_fast_test_for_contacts_says_what_the_plain_one_says() -> None:

@@ -11,7 +11,8 @@ GAIN = 1  # share of the full step; falls with every change of direction
 STEP = 2  # way along the normal of the last step, mm
 LAST = 3  # previous position (3)
 SEEN = 6  # position from which obstacles were last looked for (3)
-STATE_COLUMNS = 9
+FREE = 9  # how far from there it may move until they are looked for again, mm
+STATE_COLUMNS = 10
 
 # Columns of the vertices' counters (int32).
 MODE = 0

@@ -13,6 +13,7 @@ from shapery_segmentation.flow._state_kernels import (
     BLOCKED,
     COLLAPSE,
     FLIPS,
+    FREE,
     FROZEN,
     GAIN,
     LAST,
@@ -89,34 +90,42 @@ def surround(m, v):
 
 
 @inner
-def _obstacle(m, start, spheres, names, v, p, n, here, front, rear, farther, opposed, rear_opposed, found):
+def _obstacle(m, cells, v, p, n, here, front, rear, farther, opposed, rear_opposed, found):
     """Return where another part of the surface is near the point `p` to which `v` would move, and its face.
 
-    The third that is returned tells whether none could be there soon.
+    The third that is returned tells whether none could be there soon; the fourth how far away the nearest centroid of
+    a face is that could be one, `farther` beyond the wider of the gaps at the most.
 
     A face counts if it is no face of `v`, the way brings `v` nearer to its centroid, and that lies ahead of `p` within
     `front`, the product of the normals below `opposed`, or behind it within `rear`, the product below `rear_opposed`.
     None could be soon where within `farther` beyond that nothing is turned nearly as much.
     """
-    count = gather(m.layout, m.bound, start, spheres, names, p, max(front, rear) + farther, 0.0, found)
     limit = max(opposed, rear_opposed)
+    reach = max(front, rear) + farther
+    count = gather(m.layout, m.bound, cells, p, reach, 0.0, n, limit + WARY, found)
     clear = True
+    nearest = reach * reach
     for i in range(count):
         g = np.int64(found[i])
         turn = dot(n, normal(m, g))
-        if turn >= limit:
-            clear = clear and (turn >= limit + WARY or v in corners(m, g))
-            continue
-        clear = False
+        own = v in corners(m, g)
         c = (np.float64(m.facets[g, 0]), np.float64(m.facets[g, 1]), np.float64(m.facets[g, 2]))
         d, e = subtract(c, p), subtract(c, here)
+        if turn >= limit:
+            if not own:
+                clear = False
+                nearest = min(nearest, dot(d, d))
+            continue
+        clear = False
+        if not own:
+            nearest = min(nearest, dot(d, d))
         ahead = dot(d, n) >= 0.0
         if turn >= (opposed if ahead else rear_opposed):
             continue
         gap = front if ahead else rear
-        if dot(d, d) < gap * gap and dot(d, d) < dot(e, e) and v not in corners(m, g):
-            return (AHEAD if ahead else BEHIND), g, False
-    return NOWHERE, np.int64(-1), clear
+        if dot(d, d) < gap * gap and dot(d, d) < dot(e, e) and not own:
+            return (AHEAD if ahead else BEHIND), g, False, 0.0
+    return NOWHERE, np.int64(-1), clear, np.sqrt(nearest)
 
 
 @inner
@@ -155,7 +164,7 @@ def _place_of_rest(state, v, here, speed, field, inverse, allowed, inverse_allow
 
 
 @inner
-def _propose(m, start, spheres, names, state, counter, clear, field, inverse, allowed, inverse_allowed, dials, found,
+def _propose(m, cells, state, counter, clear, field, inverse, allowed, inverse_allowed, dials, found,
              target, movers):  # fmt: skip
     """Compute where the awake vertices would go, and freeze those that something has been in the way of for long.
 
@@ -213,12 +222,14 @@ def _propose(m, start, spheres, names, state, counter, clear, field, inverse, al
         farther = FARTHER * local
         side, g = NOWHERE, np.int64(-1)
         seen = subtract(here, (state[v, SEEN], state[v, SEEN + 1], state[v, SEEN + 2]))
-        if clear[v] == 0 or 4.0 * dot(seen, seen) > farther * farther:
-            side, g, free = _obstacle(
-                m, start, spheres, names, v, p, n, here, dials.front * local, dials.rear * local, farther,
+        if dot(seen, seen) >= state[v, FREE] * state[v, FREE]:
+            side, g, free, nearest = _obstacle(
+                m, cells, v, p, n, here, dials.front * local, dials.rear * local, farther,
                 dials.opposed, dials.rear_opposed, found,
             )  # fmt: skip
             clear[v] = free
+            # Half the way is left to whoever comes from there.
+            state[v, FREE] = 0.5 * max(nearest - max(dials.front, dials.rear) * local, 0.0)
             for axis in range(3):
                 state[v, SEEN + axis] = here[axis]
         if side != NOWHERE:
@@ -273,17 +284,17 @@ def _settle(m, state, counter, dials):
 
 
 @kernel
-def step(m, start, spheres, names, moves, batch, tick, state, counter, clear, field, inverse, allowed, inverse_allowed,
+def step(m, cells, moves, batch, tick, state, counter, clear, field, inverse, allowed, inverse_allowed,
          dials, target, movers):  # fmt: skip
     """Move every awake vertex once, without a test of what moved (see `_motion_kernels.verify`).
 
     Parameters
     ----------
-    m, start, spheres, names
+    m, cells
         Mesh and its faces sorted by cell.
     moves, batch, tick
         As `_motion_kernels.displace` takes them.
-    state, counter : (V, 9) float64, (V, 8) int32
+    state, counter : (V, 10) float64, (V, 8) int32
     clear : (V,) int8
         1 for vertices that nothing can be in the way of soon.
     field, allowed : (I, J, K) float32, uint8
@@ -303,7 +314,7 @@ def step(m, start, spheres, names, moves, batch, tick, state, counter, clear, fi
         How far in mm the vertex that moved farthest has moved.
     """
     count = _propose(
-        m, start, spheres, names, state, counter, clear, field, inverse, allowed, inverse_allowed, dials, moves.found,
+        m, cells, state, counter, clear, field, inverse, allowed, inverse_allowed, dials, moves.found,
         target, movers,
     )  # fmt: skip
     farthest = 0.0
@@ -315,7 +326,7 @@ def step(m, start, spheres, names, moves, batch, tick, state, counter, clear, fi
         farthest = max(farthest, dot(way, way))
         state[v, NET] += state[v, STEP]
         counter[v, BLOCKED] = 0
-    measure_displaced(m, moves, movers, count, batch, tick)
+    measure_displaced(m, cells, moves, movers, count, batch, tick, True)
     awake, oscillating = _settle(m, state, counter, dials)
     return awake, oscillating, np.sqrt(farthest)
 
@@ -336,6 +347,7 @@ def take_back(moves, batch, size, state, counter, clear, dials):
     for i in range(size):
         v = moves.queue[i]
         clear[v] = 0
+        state[v, FREE] = 0.0
         counter[v, RETURNS] += 1
         counter[v, AGE] = 0
         state[v, GAIN] *= 0.5

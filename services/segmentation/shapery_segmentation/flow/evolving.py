@@ -100,14 +100,14 @@ class Evolution:
         self.edges: EdgeIndicator | None = None
         if params.model == "gradient":
             self.edges = EdgeIndicator(self.field, self.affine, params.gradient_sigma, params.gradient_percentile)
-        self.mesh = DynamicMesh(seed, params.edge_lengths[0])
+        self.mesh = DynamicMesh(seed, params.edge_lengths[0], test=thorough)
         if self.mesh.volume <= 0:
             raise InvalidInput(
                 "invalid_mesh",
                 f"The seed encloses {self.mesh.volume:.3g} mm³: its faces look inwards.",
                 "Turn its faces over.",
             )
-        self.parts = seed.component_count
+        self.parts = self.mesh.part_count
         self._moves = 0
         self.iteration = 0
         self.reconnections = self.interpolations = 0
@@ -204,6 +204,8 @@ class Evolution:
             self._take_up(0)
             self._clear[: len(clear)] = clear
             self._state[:, states.SEEN : states.SEEN + 3] = mesh.arrays.points[:, :3]
+            free = 0.5 * steps.FARTHER * mesh.edge_length * mesh.arrays.points[:, SCALE]
+            self._state[:, states.FREE] = np.where(self._clear, free, 0.0)
         self._refinements = self._retreats = self._fruitless = self._changes = self._tries = 0
 
     def _take_up(self, rounds: int) -> None:
@@ -236,7 +238,7 @@ class Evolution:
             self.edges.follow(mesh.arrays.points[mesh.live, :3])
             field, inverse = self.edges.values, self.edges.inverse
         awake, self.oscillating, way = steps.step(
-            mesh.arrays, *mesh.cells, mesh.moves, self._batch, mesh.next_batch(), self._state, self._counter,
+            mesh.arrays, mesh.cells, mesh.moves, self._batch, mesh.next_batch(), self._state, self._counter,
             self._clear, field, inverse, self.allowed, self.inverse, dials, self._target, self._movers,
         )  # fmt: skip
         self._drift += way
@@ -251,7 +253,7 @@ class Evolution:
         mesh, batch = self.mesh, self._batch
         self._batch = 0
         clear = mesh.moves.none if self.thorough else self._clear
-        back = motion.verify(mesh.arrays, *mesh.cells, mesh.moves, batch, clear)
+        back = motion.verify(mesh.arrays, mesh.cells, mesh.moves, batch, clear)
         dials = self._dials(mesh.edge_length)
         steps.take_back(mesh.moves, batch, back, self._state, self._counter, self._clear, dials)
         self._stale = self._stale or back > 0
@@ -278,7 +280,7 @@ class Evolution:
         self._pinched = adaptive and (self._pinched or pinched > 0)
         if refined:
             np.maximum(active, self._counter[:, states.MODE] == states.AWAKE, out=active)
-        mesh.remesh(active, unwanted=self._collapse if collapsing else None)
+        mesh.remesh(active, unwanted=self._collapse if collapsing else None, careless=not self.thorough)
         # What gets finer triangles is awake, and counted; what retreats may not be.
         self._fruitless = 0 if mesh.vertex_count < before else self._fruitless + (collapsing > 0)
         self._stirred = collapsing > 0 and self._fruitless < LARGEST_FRUITLESS
@@ -295,7 +297,7 @@ class Evolution:
         after = without_remains(before, least)
         if after is not before:
             self.mesh = DynamicMesh(after, self.mesh.edge_length)
-            self.parts = after.component_count
+            self.parts = self.mesh.part_count
             self._take_up(1)
 
     def _reconnect(self, length: float) -> bool:
@@ -308,7 +310,7 @@ class Evolution:
         self._changes += 1
         self.reconnections += 1
         self.mesh = DynamicMesh(surface, length)
-        self.parts = surface.component_count
+        self.parts = self.mesh.part_count
         self._take_up(SEED_ROUNDS)
         return True
 
@@ -335,7 +337,7 @@ class Evolution:
         """Move vertices to their targets, where that is possible."""
         mesh = self.mesh
         motion.move_vertices(
-            mesh.arrays, *mesh.room_for_cells(), movers, self._target, mesh.room_for_moves(), mesh.next_batch()
+            mesh.arrays, mesh.room_for_cells(), movers, self._target, mesh.room_for_moves(), mesh.next_batch()
         )
         self._stale = True
 

@@ -53,6 +53,9 @@ from shapery_geometry.volume import check_affine
 from shapery_segmentation.flow.evolving import Evolution
 from shapery_segmentation.flow.params import FlowResult, FlowState, NormalFlowParams, StageRecord
 
+MENDINGS = 4
+"""Rounds in which faces that touch in the end are mended."""
+
 __all__ = ["FlowResult", "FlowState", "NormalFlowParams", "StageRecord", "normal_flow"]
 
 
@@ -114,14 +117,14 @@ def normal_flow(
             "invalid_volume", f"The field has the shape {field.shape}{other}: three equal sizes are due."
         )
     affine = check_affine(affine)
-    # What is far from every other part of the surface is not tested against it while it moves, but in the end. Should
-    # it touch something all the same, the flow begins again, and every move is tested.
+    # What hardly ever touches anything is not tested while it moves, but in the end. Should it touch something all the
+    # same, that is mended where it is; where it cannot be, the flow begins again, and every move is tested.
     for thorough in (False, True):
         evolution = Evolution(field, allowed, affine, seed, p, threshold, thorough)
         for stage in range(len(p.edge_lengths)):
             evolution.run_stage(stage, on_iteration)
             if evolution.vanished:
                 break
-        if thorough or not evolution.mesh.touches_itself():
+        if thorough or evolution.mesh.mend(MENDINGS):
             break
     return evolution.result()

@@ -98,11 +98,11 @@ class NormalFlowParams:
     interpolation_share: float | None = 0.1
     interpolation_interval: int = 8
     window: int = 1
-    rest: float = 0.01
+    rest: float = 0.03
     stir: float = 0.1
     remesh_interval: int = 4
     release_interval: int = 20
-    awake_share: float = 0.01
+    awake_share: float = 0.02
     max_iterations: int = 400
     topology: Literal["preserve", "adaptive"] = "preserve"
 

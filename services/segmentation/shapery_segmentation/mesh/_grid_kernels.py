@@ -135,16 +135,15 @@ def measure_all(m):
 def measure_extent(m, extent):
     """Write the sides of the box that the faces' centres fill to `extent` (3,); return the faces' mean area."""
     total = 0.0
-    for axis in range(3):
-        low, high = np.inf, -np.inf
-        for f in range(m.layout[FACE_TOP]):
-            if m.half_edges[3 * f, ORIGIN] >= 0:
-                low = min(low, m.facets[f, axis])
-                high = max(high, m.facets[f, axis])
-        extent[axis] = max(high - low, 0.0)
+    x0 = y0 = z0 = np.inf
+    x1 = y1 = z1 = -np.inf
     for f in range(m.layout[FACE_TOP]):
         if m.half_edges[3 * f, ORIGIN] >= 0:
+            x, y, z = m.facets[f, 0], m.facets[f, 1], m.facets[f, 2]
+            x0, y0, z0 = min(x0, x), min(y0, y), min(z0, z)
+            x1, y1, z1 = max(x1, x), max(y1, y), max(z1, z)
             total += m.facets[f, AREA]
+    extent[0], extent[1], extent[2] = max(x1 - x0, 0.0), max(y1 - y0, 0.0), max(z1 - z0, 0.0)
     return total / max(m.layout[FACE_COUNT], 1)
 
 

@@ -7,7 +7,7 @@ Two faces that share a vertex are checked through the star of that vertex, all o
 
 import numpy as np
 
-from shapery_segmentation.mesh._cells_kernels import gather, sort_faces
+from shapery_segmentation.mesh._cells_kernels import ANY, gather, note_face, sort_faces
 from shapery_segmentation.mesh._contact_kernels import cross, dot, subtract, touching
 from shapery_segmentation.mesh._grid_kernels import SINGLE, corners, measure_face, normal, point
 from shapery_segmentation.mesh._operation_kernels import compactness, following, origin, preceding, twin
@@ -22,6 +22,7 @@ from shapery_segmentation.mesh.arrays import (
     NORMAL,
     ORIGIN,
     OUT,
+    RADIUS,
     SHIFT,
     STAMP,
     VERTEX_TOP,
@@ -33,6 +34,9 @@ LEAST_TURN = 0.2
 
 LEAST_SHAPE = 0.02
 """Least compactness that a move may give to a face, unless it had less before."""
+
+OPPOSED = 0.55
+"""Product of the normals of two faces below which they may belong to fronts that meet."""
 
 LEAST_TILT = 0.25
 """A star whose faces all have at least this product with the mean of their normals is a graph over their plane."""
@@ -104,16 +108,17 @@ def _beyond_plane(points, n, o, a, b, c, gap):
 
 
 @inner
-def _contact(m, start, spheres, names, f, slack, batch, found):
+def _contact(m, cells, f, slack, batch, limit, found):
     """Return a face that touches face `f` and shares no vertex with it, or −1.
 
-    Faces below `f` with the stamp `batch`, if that is positive, are left out: they are tested against `f`.
+    Only those are tested the product of whose normals is below `limit`. Faces below `f` with the stamp `batch`, if that
+    is positive, are left out: they are tested against `f`.
     """
     c = (np.float64(m.facets[f, 0]), np.float64(m.facets[f, 1]), np.float64(m.facets[f, 2]))
-    n = gather(m.layout, m.bound, start, spheres, names, c, m.facets[f, 3] + slack + m.bound[CLEARANCE], 1.0, found)
-    i0, i1, i2 = corners(m, f)
-    gap = m.bound[CLEARANCE]
     own = normal(m, f)
+    gap = m.bound[CLEARANCE]
+    n = gather(m.layout, m.bound, cells, c, m.facets[f, RADIUS] + slack + gap, 1.0, own, limit, found)
+    i0, i1, i2 = corners(m, f)
     for i in range(n):
         g = np.int64(found[i])
         if g == f or (batch > 0 and g < f and m.links[g, STAMP] == batch):
@@ -129,7 +134,7 @@ def _contact(m, start, spheres, names, f, slack, batch, found):
 
 
 @inner
-def _put_back(m, f, batch, state, old, queue, size):
+def _put_back(m, cells, f, batch, state, old, queue, size):
     """Return the moved vertices of face `f` to where they were, and append them to `queue`; return its new length."""
     for k in range(3):
         v = origin(m, 3 * f + k)
@@ -141,6 +146,7 @@ def _put_back(m, f, batch, state, old, queue, size):
             h = start
             while True:
                 measure_face(m, h // 3)
+                note_face(m, cells, h // 3)
                 h = twin(m, preceding(h))
                 if h == start:
                     break
@@ -159,7 +165,7 @@ def _spoiled(m, f):
 
 
 @inner
-def _mend_star(m, v, batch, state, old, queue, size):
+def _mend_star(m, cells, v, batch, state, old, queue, size):
     """Put back the movers of faces around `v` that touch each other; return the new length of the queue."""
     if _is_graph(m, v):
         return size
@@ -169,8 +175,8 @@ def _mend_star(m, v, batch, state, old, queue, size):
         k = twin(m, preceding(h))
         while k != start:
             if faces_touch(m, h // 3, k // 3):
-                size = _put_back(m, h // 3, batch, state, old, queue, size)
-                size = _put_back(m, k // 3, batch, state, old, queue, size)
+                size = _put_back(m, cells, h // 3, batch, state, old, queue, size)
+                size = _put_back(m, cells, k // 3, batch, state, old, queue, size)
             k = twin(m, preceding(k))
         h = twin(m, preceding(h))
         if h == start:
@@ -191,10 +197,11 @@ def displace(m, moves, v, target, batch):
 
 
 @inner
-def measure_displaced(m, moves, movers, n, batch, tick):
+def measure_displaced(m, cells, moves, movers, n, batch, tick, sorted_in):
     """Measure the faces of the first `n` vertices in `movers`, and note how those looked that had not moved before.
 
-    `tick` is a positive stamp that tells this call from those before.
+    `tick` is a positive stamp that tells this call from those before. Where the faces are sorted into cells, what is
+    noted there is brought up to date.
     """
     for i in range(n):
         first = np.int64(m.vertices[movers[i], OUT])
@@ -210,13 +217,15 @@ def measure_displaced(m, moves, movers, n, batch, tick):
                     for axis in range(4):
                         m.former[f, axis] = m.facets[f, NORMAL + axis]
                 measure_face(m, f)
+                if sorted_in:
+                    note_face(m, cells, f)
             h = twin(m, preceding(h))
             if h == first:
                 break
 
 
 @inner
-def _verify(m, start, spheres, names, moves, batch, clear):
+def _verify(m, cells, moves, batch, clear):
     """Do what `verify` says."""
     slack = 0.0
     for i in range(moves.counts[0]):
@@ -226,7 +235,8 @@ def _verify(m, start, spheres, names, moves, batch, clear):
             way += (m.points[v, axis] - moves.old[v, axis]) ** 2
         slack = max(slack, way)
     slack = np.sqrt(slack)
-    sort_faces(m, start, spheres, names)
+    sort_faces(m, cells)
+    limit = OPPOSED if clear.shape[0] > 0 else ANY
 
     state, old, queue, found = moves.state, moves.old, moves.queue, moves.found
     count = moves.counts[1]
@@ -234,21 +244,23 @@ def _verify(m, start, spheres, names, moves, batch, clear):
     for i in range(count):
         f = np.int64(moves.faces[i])
         if _spoiled(m, f):
-            size = _put_back(m, f, batch, state, old, queue, size)
+            size = _put_back(m, cells, f, batch, state, old, queue, size)
         elif not _is_clear(m, f, clear):
             # Faces that have been put back are elsewhere than they were sorted; until then nothing is.
-            g = _contact(m, start, spheres, names, f, slack if size > 0 else 0.0, batch, found)
+            g = _contact(m, cells, f, slack if size > 0 else 0.0, batch, limit, found)
             if g >= 0:
-                size = _put_back(m, f, batch, state, old, queue, size)
-                size = _put_back(m, g, batch, state, old, queue, size)
+                size = _put_back(m, cells, f, batch, state, old, queue, size)
+                size = _put_back(m, cells, g, batch, state, old, queue, size)
     for i in range(count):
         # Each changed star is met from the half-edges that leave its centre; one of them is the one noted for it.
         for k in range(3):
             h = 3 * np.int64(moves.faces[i]) + k
             v = origin(m, h)
+            if clear.shape[0] > 0 and clear[v] == 1:
+                continue
             first = np.int64(m.vertices[v, OUT])
             if h == first or (m.links[first // 3, STAMP] != batch and _first_stamped(m, first, batch) == h):
-                size = _mend_star(m, v, batch, state, old, queue, size)
+                size = _mend_star(m, cells, v, batch, state, old, queue, size)
     done = 0
     while done < size:
         v = np.int64(queue[done])
@@ -258,34 +270,36 @@ def _verify(m, start, spheres, names, moves, batch, clear):
         while True:
             f = h // 3
             if _spoiled(m, f):
-                size = _put_back(m, f, batch, state, old, queue, size)
+                size = _put_back(m, cells, f, batch, state, old, queue, size)
             else:
-                g = _contact(m, start, spheres, names, f, slack, 0, found)
+                g = _contact(m, cells, f, slack, 0, limit, found)
                 if g >= 0:
-                    size = _put_back(m, f, batch, state, old, queue, size)
-                    size = _put_back(m, g, batch, state, old, queue, size)
-            size = _mend_star(m, origin(m, following(h)), batch, state, old, queue, size)
+                    size = _put_back(m, cells, f, batch, state, old, queue, size)
+                    size = _put_back(m, cells, g, batch, state, old, queue, size)
+            size = _mend_star(m, cells, origin(m, following(h)), batch, state, old, queue, size)
             h = twin(m, preceding(h))
             if h == first:
                 break
-        size = _mend_star(m, v, batch, state, old, queue, size)
+        size = _mend_star(m, cells, v, batch, state, old, queue, size)
     return size
 
 
 @kernel
-def verify(m, start, spheres, names, moves, batch, clear):
+def verify(m, cells, moves, batch, clear):
     """Test all that moved since `batch` began; put back what turned over, degenerated or touches another face.
 
     Parameters
     ----------
     m : MeshArrays
-    start, spheres, names
-        Room for `sort_into_cells`; afterwards faces may have left the spheres noted here by the longest way back.
+    cells : Cells
+        Room for the faces, which are sorted anew; those that are put back stay in the cells that they had come to.
     moves : Moves
     batch : int
         The stamp of what moved. Afterwards ``moves.state`` of the vertices that were put back is −`batch`.
     clear : (V,) int8
-        Faces whose vertices all have 1 here are not tested against faces that they share no vertex with; empty: none.
+        Where this is given, not everything is tested: of faces that share no vertex, those whose vertices all have 1
+        here are left out, and pairs whose normals look the same way (`OPPOSED`); of stars, those around a 1. Whoever
+        gives it has to ask `has_contacts` in the end.
 
     Returns
     -------
@@ -299,17 +313,17 @@ def verify(m, start, spheres, names, moves, batch, clear):
     back, so this ends, in the worst case in the state at the beginning, which was free of contacts. What lies between
     does not matter: any number of moves can be verified at once.
     """
-    return _verify(m, start, spheres, names, moves, batch, clear)
+    return _verify(m, cells, moves, batch, clear)
 
 
 @kernel
-def move_vertices(m, start, spheres, names, movers, target, moves, batch):
+def move_vertices(m, cells, movers, target, moves, batch):
     """Move vertices to their targets, except where a face would turn over, degenerate or touch another.
 
     Parameters
     ----------
     m : MeshArrays
-    start, spheres, names
+    cells : Cells
         As in `verify`.
     movers : (n,) int32
         The vertices to move, each once.
@@ -328,8 +342,8 @@ def move_vertices(m, start, spheres, names, movers, target, moves, batch):
     moves.counts[:] = 0
     for i in range(movers.shape[0]):
         displace(m, moves, movers[i], target, batch)
-    measure_displaced(m, moves, movers, movers.shape[0], batch, batch)
-    return _verify(m, start, spheres, names, moves, batch, moves.none)
+    measure_displaced(m, cells, moves, movers, movers.shape[0], batch, batch, False)
+    return _verify(m, cells, moves, batch, moves.none)
 
 
 @inner
@@ -353,14 +367,18 @@ def _first_stamped(m, first, batch):
 
 
 @inner
-def _touches_later(m, start, spheres, names, at, gap):
-    """Return whether the face at place `at` of `names` touches one at a later place that it shares no vertex with."""
+def _touches_later(m, cells, at, gap):
+    """Return whether the face at place `at` of `cells` touches one at a later place that it shares no vertex with."""
+    start, records, names = cells.start, cells.records, cells.names
     f = np.int64(names[at])
     i0, i1, i2 = corners(m, f)
     own = normal(m, f)
-    px, py, pz, radius = spheres[at, 0], spheres[at, 1], spheres[at, 2], spheres[at, 3] + np.float32(gap)
+    px, py, pz, radius = records[at, 0], records[at, 1], records[at, 2], records[at, RADIUS] + np.float32(gap)
     inverse = m.bound[INVERSE_CELL]
-    reach = np.float64(radius) + m.bound[LARGEST_RADIUS] + SINGLE * (abs(px) + abs(py) + abs(pz))
+    rounding = np.float32(SINGLE) * (abs(px) + abs(py) + abs(pz))
+    reach = np.float64(radius) + m.bound[LARGEST_RADIUS] + rounding
+    nx, ny, nz = records[at, NORMAL], records[at, NORMAL + 1], records[at, NORMAL + 2]
+    off = np.float32(gap) + rounding
     mx, my, mz = m.layout[MASK], m.layout[MASK + 1], m.layout[MASK + 2]
     x0, x1 = np.int64(np.floor((px - reach) * inverse)), np.int64(np.floor((px + reach) * inverse))
     y0, y1 = np.int64(np.floor((py - reach) * inverse)), np.int64(np.floor((py + reach) * inverse))
@@ -382,9 +400,11 @@ def _touches_later(m, start, spheres, names, at, gap):
                 else:
                     break
                 for i in range(max(a, at + 1), b):
-                    dx, dy, dz = spheres[i, 0] - px, spheres[i, 1] - py, spheres[i, 2] - pz
-                    near = radius + spheres[i, 3]
-                    if dx * dx + dy * dy + dz * dz > near * near:
+                    dx, dy, dz = records[i, 0] - px, records[i, 1] - py, records[i, 2] - pz
+                    near = radius + records[i, RADIUS]
+                    # Out of reach, or its sphere beyond the plane of `f`.
+                    height = abs(dx * nx + dy * ny + dz * nz)
+                    if (dx * dx + dy * dy + dz * dz > near * near) | (height > records[i, RADIUS] + off):
                         continue
                     g = np.int64(names[i])
                     j0, j1, j2 = corners(m, g)
@@ -398,17 +418,17 @@ def _touches_later(m, start, spheres, names, at, gap):
 
 
 @kernel
-def has_contacts(m, start, spheres, names):
+def has_contacts(m, cells):
     """Return whether any two faces have more in common than they share.
 
     Parameters
     ----------
-    m, start, spheres, names
+    m, cells
         Mesh and its faces sorted by cell.
     """
     gap = m.bound[CLEARANCE]
     for at in range(m.layout[FACE_COUNT]):
-        if _touches_later(m, start, spheres, names, at, gap):
+        if _touches_later(m, cells, at, gap):
             return True
     for v in range(m.layout[VERTEX_TOP]):
         if m.vertices[v, OUT] < 0 or _is_graph(m, v):
@@ -428,17 +448,64 @@ def has_contacts(m, start, spheres, names):
 
 
 @kernel
-def count_contacts(m, start, spheres, names):
-    """Return how many faces touch a face with a higher number: every pair is tested, no star is taken for sound."""
+def count_contacts(m, cells, concerned):
+    """Return how many faces touch a face with a higher number: every pair is tested, no star is taken for sound.
+
+    Parameters
+    ----------
+    m, cells
+        Mesh and its faces sorted by cell.
+    concerned : (V,) bool
+        Receives true for the vertices of faces that touch others.
+    """
     found = np.empty(m.links.shape[0], dtype=np.int32)
     total = 0
     for f in range(m.layout[FACE_TOP]):
         if m.half_edges[3 * f, ORIGIN] < 0:
             continue
         c = (np.float64(m.facets[f, 0]), np.float64(m.facets[f, 1]), np.float64(m.facets[f, 2]))
-        n = gather(m.layout, m.bound, start, spheres, names, c, m.facets[f, 3] + m.bound[CLEARANCE], 1.0, found)
+        reach = m.facets[f, RADIUS] + m.bound[CLEARANCE]
+        n = gather(m.layout, m.bound, cells, c, reach, 1.0, normal(m, f), ANY, found)
+        touches = False
         for i in range(n):
-            if found[i] > f and faces_touch(m, f, np.int64(found[i])):
-                total += 1
-                break
+            g = np.int64(found[i])
+            if g > f and faces_touch(m, f, g):
+                touches = True
+                for k in range(3):
+                    concerned[origin(m, 3 * f + k)] = True
+                    concerned[origin(m, 3 * g + k)] = True
+        total += touches
     return total
+
+
+@kernel
+def draw_together(m, chosen):
+    """Put vertices, one after the other, where the mean of their neighbours is, without any test.
+
+    Parameters
+    ----------
+    m : MeshArrays
+    chosen : (n,) int64
+        The vertices.
+    """
+    for i in range(chosen.shape[0]):
+        v = chosen[i]
+        for axis in range(3):
+            total = 0.0
+            degree = 0
+            first = np.int64(m.vertices[v, OUT])
+            h = first
+            while True:
+                total += m.points[origin(m, following(h)), axis]
+                degree += 1
+                h = twin(m, preceding(h))
+                if h == first:
+                    break
+            m.points[v, axis] = np.float64(np.float32(total / degree))
+        first = np.int64(m.vertices[v, OUT])
+        h = first
+        while True:
+            measure_face(m, h // 3)
+            h = twin(m, preceding(h))
+            if h == first:
+                break

@@ -21,6 +21,7 @@ from shapery_segmentation.mesh._grid_kernels import (
 )
 from shapery_segmentation.mesh.arrays import (
     AREA,
+    CARELESS,
     CORNER,
     CREATED,
     FACE_COUNT,
@@ -127,7 +128,8 @@ def _touch(m, v):
 def _refresh(m, f):
     """Bring what is derived from face `f` up to date."""
     measure_face(m, f)
-    link_face(m, f)
+    if not m.layout[CARELESS]:
+        link_face(m, f)
 
 
 @inner
@@ -215,7 +217,8 @@ def _drop_vertex(m, v):
 @inner
 def _drop_face(m, f):
     """Return face `f` to the free slots."""
-    unlink_face(m, f)
+    if not m.layout[CARELESS]:
+        unlink_face(m, f)
     for k in range(3):
         m.half_edges[3 * f + k, ORIGIN] = -1
         m.half_edges[3 * f + k, TWIN] = -1

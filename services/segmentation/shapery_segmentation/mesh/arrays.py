@@ -34,6 +34,7 @@ TWIN: Final = 1
 RADIUS: Final = 3
 NORMAL: Final = 4
 AREA: Final = 7
+COPIED: Final = 8
 
 # Columns of `MeshArrays.links`, which is the same memory.
 AFTER: Final = 8
@@ -114,6 +115,27 @@ class MeshArrays(NamedTuple):
     patch_ids: Array
 
 
+class Cells(NamedTuple):
+    """The faces in use, sorted by the cell of the grid that their centroids lie in: what is near lies side by side.
+
+    Attributes
+    ----------
+    start : (C + 1,) int32
+        Where the faces of each cell begin in the next two.
+    records : (F, 8) float32
+        The first columns of `MeshArrays.facets`, up to date; a face that moved stays in the cell it was sorted into.
+    names : (F,) int32
+        The faces' numbers.
+    place : (F,) int32
+        Where each face is in these.
+    """
+
+    start: Array
+    records: Array
+    names: Array
+    place: Array
+
+
 class Moves(NamedTuple):
     """What moved since the surface was last verified, and room for the verification.
 
@@ -144,6 +166,16 @@ class Moves(NamedTuple):
     measured: Array
     counts: Array
     none: Array
+
+
+def room_for_cells(cells: int, face_slots: int) -> Cells:
+    """Return arrays for a grid of so many cells."""
+    return Cells(
+        start=np.zeros(cells + 1, dtype=np.int32),
+        records=np.zeros((face_slots, COPIED), dtype=np.float32),
+        names=np.zeros(face_slots, dtype=np.int32),
+        place=np.zeros(face_slots, dtype=np.int32),
+    )
 
 
 def room_for_moves(vertex_slots: int, face_slots: int) -> Moves:

@@ -12,6 +12,7 @@ from shapery_geometry.mesh import TriangleMesh
 from shapery_segmentation.mesh import _cells_kernels as cells
 from shapery_segmentation.mesh import _grid_kernels as grid
 from shapery_segmentation.mesh import _motion_kernels as motion
+from shapery_segmentation.mesh import _order_kernels as orders
 from shapery_segmentation.mesh import _remesh_kernels as passes
 from shapery_segmentation.mesh.arrays import (
     CARELESS,
@@ -22,17 +23,17 @@ from shapery_segmentation.mesh.arrays import (
     MASK,
     ORIGIN,
     OUT,
-    SCALE,
     SHIFT,
     TOUCHED,
-    TWIN,
     UNTOUCHED,
     VERTEX_COUNT,
     VERTEX_TOP,
+    Cells,
     MeshArrays,
     Moves,
     allocate,
     grown,
+    room_for_cells,
     room_for_moves,
 )
 
@@ -75,10 +76,6 @@ LARGEST_PASSES = 24
 """Rounds of splitting at the most when a mesh is brought to a much shorter edge length."""
 
 
-Cells = tuple[NDArray[np.int32], NDArray[np.float32], NDArray[np.int32]]
-"""What `_cells_kernels.sort_into_cells` writes."""
-
-
 @dataclass(slots=True)
 class RemeshCount:
     """What one remeshing did."""
@@ -101,6 +98,8 @@ class DynamicMesh:
         Positions are rounded to float32 values.
     edge_length
         Target edge length in mm.
+    test
+        Whether to refuse self-intersections at once; otherwise `retriangulate` refuses those that it comes upon.
 
     Raises
     ------
@@ -108,7 +107,7 @@ class DynamicMesh:
         ``invalid_mesh`` where the surface is not as demanded.
     """
 
-    def __init__(self, surface: TriangleMesh, edge_length: float) -> None:
+    def __init__(self, surface: TriangleMesh, edge_length: float, *, test: bool = True) -> None:
         if not (np.isfinite(edge_length) and edge_length > 0):
             raise ValueError(f"the edge length must be positive, not {edge_length}")
         if len(surface.faces) < 4:
@@ -117,7 +116,7 @@ class DynamicMesh:
             )
         self.edge_length = float(edge_length)
         self.mean_edge = self.edge_length
-        self.cells: Cells = (np.zeros(0, np.int32), np.zeros((0, 4), np.float32), np.zeros(0, np.int32))
+        self.cells = room_for_cells(0, 0)
         self.moves = room_for_moves(0, 0)
         self._batch = 0
         used = np.unique(surface.faces)
@@ -127,26 +126,29 @@ class DynamicMesh:
         points[:, :3] = surface.vertices[used].astype(np.float32)
         self._take(points, number[surface.faces])
         self.arrays.bound[CLEARANCE] = max(CLEARANCE_SHARE * edge_length, LEAST_CLEARANCE)
+        if test:
+            self._refuse_contacts()
+
+    def _refuse_contacts(self) -> None:
+        """Refuse the surface to start from where it touches itself."""
         if self.touches_itself():
             raise InvalidInput(
                 "invalid_mesh",
-                f"{self.contacts()} of the {len(surface.faces)} faces of the surface to start from touch others.",
+                f"{self.contacts()} of the {self.face_count} faces of the surface to start from touch others.",
                 "Start from a surface without self-intersections.",
             )
 
-    def _take(self, points: NDArray[np.float64], faces: NDArray[np.int32]) -> NDArray[np.int64]:
-        """Put vertices (n, 4) and faces into arrays of their own, without holes; return the order, that of space."""
-        order = _in_space_order(points[:, :3], self.edge_length)
+    def _take(self, points: NDArray[np.float64], faces: NDArray[np.int32]) -> None:
+        """Put vertices (n, 4) and faces into arrays of their own, without holes, in the order of space."""
+        order = _in_space_order(points, self.edge_length)
         number = np.empty(len(points), dtype=np.int32)
         number[order] = np.arange(len(points), dtype=np.int32)
         points, faces = points[order], number[faces]
-        faces = faces[_in_space_order(points[faces[:, 0], :3], self.edge_length)]
+        faces = faces[_in_space_order(points[faces[:, 0]], self.edge_length)]
         n, m = len(points), len(faces)
-        arrays = allocate(n + n // 2 + 256, m + m // 2 + 512)
+        arrays = _with_room(n, m)
         arrays.points[:n] = points
         arrays.half_edges[: 3 * m, ORIGIN] = faces.ravel()
-        arrays.layout[[VERTEX_TOP, VERTEX_COUNT]] = n
-        arrays.layout[[FACE_TOP, FACE_COUNT]] = m
         wrong = int(passes.link_twins(arrays, n, m))
         if wrong > 0:
             raise InvalidInput(
@@ -163,17 +165,25 @@ class DynamicMesh:
         self.arrays: MeshArrays = arrays
         grid.measure_all(arrays)
         self.size_grid()
-        return order
 
     def compact(self) -> None:
         """Move vertices and faces to new slots, without holes and so that neighbours in space are neighbours in memory.
 
         Everything that the slots of vertices are known by becomes meaningless.
         """
-        clearance = self.arrays.bound[CLEARANCE]
-        live, faces = self.live_faces()
-        self._take(self.arrays.points[live], faces)
-        self.arrays.bound[CLEARANCE] = clearance
+        self._sort_in_space(self.arrays)
+
+    def _sort_in_space(self, source: MeshArrays) -> NDArray[np.int64]:
+        """Take over a mesh without holes, in the order of space; return the slots that its vertices had."""
+        live, used = _slots(source)
+        vertices = live[_in_space_order(source.points[live], self.edge_length)]
+        first = source.half_edges[3 * used, ORIGIN]
+        faces = used[_in_space_order(source.points[first], self.edge_length)]
+        self.arrays = _with_room(len(vertices), len(faces))
+        self.arrays.bound[CLEARANCE] = source.bound[CLEARANCE]
+        orders.transfer(source, self.arrays, vertices, faces)
+        self.size_grid()
+        return vertices
 
     def subdivide(self, *, test: bool = True) -> NDArray[np.int32] | None:
         """Cut every face into four at the middles of its edges, which halves the edges and leaves the surface as it is.
@@ -189,29 +199,22 @@ class DynamicMesh:
             For every vertex, the slots that the ends of its edge had, or twice that which it had itself; None where
             that test fails, and nothing was done.
         """
-        before, clearance = self.arrays, self.arrays.bound[CLEARANCE]
-        live, faces = self.live_faces()
-        used = np.flatnonzero(before.half_edges[: 3 * before.layout[FACE_TOP] : 3, ORIGIN] >= 0)
-        half_edges = (3 * used[:, None] + np.arange(3)).ravel()
-        _, edge = np.unique(np.minimum(half_edges, before.half_edges[half_edges, TWIN]), return_inverse=True)
-        edge = edge.reshape(-1, 3).astype(np.int32)
-        points = before.points[live]
-        middles = np.empty((int(edge.max()) + 1, 4))
-        starts, ends = points[faces], points[np.roll(faces, -1, axis=1)]
-        middles[edge, :3] = (0.5 * (starts + ends))[..., :3].astype(np.float32)
-        middles[edge, SCALE] = np.minimum(starts[..., SCALE], ends[..., SCALE])
-        (a, b, c), (ab, bc, ca) = faces.T, (edge + len(points)).T.astype(np.int32)
-        quarters = np.concatenate([np.stack(t, axis=1) for t in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])
-        order = self._take(np.concatenate((points, middles)), quarters)
-        self.arrays.bound[CLEARANCE] = clearance
-        parents = np.empty((len(order), 2), dtype=np.int32)
-        parents[: len(live)] = live[:, None]
-        parents[len(live) + edge] = np.stack((live[faces], live[np.roll(faces, -1, axis=1)]), axis=-1)
+        before = self.arrays
+        live, used = _slots(before)
+        dense = _with_room(len(live), len(used))
+        dense.bound[CLEARANCE] = before.bound[CLEARANCE]
+        orders.transfer(before, dense, live, used)
+        n = len(live) + 3 * len(used) // 2
+        finer = _with_room(n, 4 * len(used))
+        finer.bound[CLEARANCE] = before.bound[CLEARANCE]
+        parents = np.empty((n, 2), dtype=np.int32)
+        orders.cut_into_four(dense, finer, parents)
+        order = self._sort_in_space(finer)
         if test and self.touches_itself():
             self.arrays = before
             self.size_grid()
             return None
-        return parents[order]
+        return live[parents[order]].astype(np.int32)
 
     @property
     def vertex_count(self) -> int:
@@ -227,6 +230,11 @@ class DynamicMesh:
     def volume(self) -> float:
         """Enclosed volume in mm³; negative where the faces look inwards."""
         return float(passes.signed_volume(self.arrays))
+
+    @property
+    def part_count(self) -> int:
+        """Parts that hang together."""
+        return int(orders.count_parts(self.arrays))
 
     @property
     def live(self) -> NDArray[np.int32]:
@@ -254,12 +262,27 @@ class DynamicMesh:
     def touches_itself(self) -> bool:
         """Return whether any faces touch others than their neighbours, or neighbours more than they should."""
         self.sort_cells()
-        return bool(motion.has_contacts(self.arrays, *self.cells))
+        return bool(motion.has_contacts(self.arrays, self.cells))
 
     def contacts(self) -> int:
         """Return the number of faces that touch others with a higher number, by the plain test of every near pair."""
         self.sort_cells()
-        return int(motion.count_contacts(self.arrays, *self.cells))
+        return int(motion.count_contacts(self.arrays, self.cells, np.zeros(self.vertex_slots, dtype=np.bool_)))
+
+    def mend(self, rounds: int) -> bool:
+        """Draw the vertices of faces that touch others to the means of their neighbours, until nothing touches.
+
+        Returns
+        -------
+        Whether so many rounds were enough.
+        """
+        for _ in range(rounds):
+            if not self.touches_itself():
+                return True
+            concerned = np.zeros(self.vertex_slots, dtype=np.bool_)
+            motion.count_contacts(self.arrays, self.cells, concerned)
+            motion.draw_together(self.arrays, np.flatnonzero(concerned))
+        return not self.touches_itself()
 
     def size_grid(self) -> None:
         """Choose the size of the grid's cells, and their number by the region that the surface fills now."""
@@ -282,17 +305,13 @@ class DynamicMesh:
 
     def sort_cells(self) -> None:
         """Bring `cells` up to date, in which kernels look for what is near."""
-        cells.sort_into_cells(self.arrays, *self.room_for_cells())
+        cells.sort_into_cells(self.arrays, self.room_for_cells())
 
     def room_for_cells(self) -> Cells:
         """Return `cells`, made anew if the grid or the arrays have changed their size."""
-        size, faces = len(self.arrays.head) + 1, len(self.arrays.links)
-        if len(self.cells[0]) != size or len(self.cells[2]) != faces:
-            self.cells = (
-                np.empty(size, dtype=np.int32),
-                np.empty((faces, 4), dtype=np.float32),
-                np.empty(faces, dtype=np.int32),
-            )
+        size, faces = len(self.arrays.head), len(self.arrays.links)
+        if len(self.cells.start) != size + 1 or len(self.cells.names) != faces:
+            self.cells = room_for_cells(size, faces)
         return self.cells
 
     def remesh(
@@ -301,6 +320,7 @@ class DynamicMesh:
         *,
         unwanted: NDArray[np.int8] | None = None,
         rounds: int = 1,
+        careless: bool = False,
     ) -> RemeshCount:
         """Split long edges, collapse short ones and flip those that triangles squeeze.
 
@@ -312,6 +332,9 @@ class DynamicMesh:
             1 for vertices that are to collapse into a neighbour, if that keeps the surface what it is.
         rounds
             How often to do so; ends early where hardly anything changes any more.
+        careless
+            Operations are not tested against the faces around them. A contact is rare, and to look for it at every
+            operation costs more than all the rest: the caller asks `touches_itself` in the end.
 
         Returns
         -------
@@ -322,8 +345,10 @@ class DynamicMesh:
         for _ in range(rounds):
             chosen = np.ones(self.vertex_slots, dtype=np.int8) if active is None else active
             self.size_grid()
-            self.arrays.head.fill(-1)
-            grid.build_grid(self.arrays)
+            self.arrays.layout[CARELESS] = careless
+            if not careless:
+                self.arrays.head.fill(-1)
+                grid.build_grid(self.arrays)
             done = RemeshCount(
                 splits=self._split(chosen),
                 collapses=self._collapse(chosen, unwanted),
@@ -334,22 +359,27 @@ class DynamicMesh:
             total.flips += done.flips
             if done.splits + done.collapses + done.flips <= SETTLED * self.face_count:
                 break
+        self.arrays.layout[CARELESS] = 0
         return total
 
     def retriangulate(self, rounds: int) -> None:
         """Bring all edges near their target, and compact the arrays.
 
-        A contact is rare, and testing for it at every operation costs more than all the rest: it is tested for in the
-        end, and only where there is one everything is done again with care. Slots become meaningless.
+        Without care first; only where that ends in a contact everything is done again with it. Slots become
+        meaningless.
+
+        Raises
+        ------
+        InvalidInput
+            ``invalid_mesh`` where the surface touched itself before.
         """
         live, faces = self.live_faces()
         points, clearance = self.arrays.points[live], self.arrays.bound[CLEARANCE]
-        self.arrays.layout[CARELESS] = 1
-        self.remesh(rounds=rounds)
-        self.arrays.layout[CARELESS] = 0
+        self.remesh(rounds=rounds, careless=True)
         if self.touches_itself():
             self._take(points, faces)
             self.arrays.bound[CLEARANCE] = clearance
+            self._refuse_contacts()
             self.remesh(rounds=rounds)
         self.compact()
 
@@ -372,7 +402,7 @@ class DynamicMesh:
         places[movers] = target
         movers = np.asarray(movers, dtype=np.int32)
         batch = self.next_batch()
-        motion.move_vertices(self.arrays, *self.room_for_cells(), movers, places, self.room_for_moves(), batch)
+        motion.move_vertices(self.arrays, self.room_for_cells(), movers, places, self.room_for_moves(), batch)
         return np.asarray(self.moves.state[movers] == batch)
 
     def room_for_moves(self) -> Moves:
@@ -424,11 +454,22 @@ class DynamicMesh:
         return longer
 
 
+def _with_room(vertices: int, faces: int) -> MeshArrays:
+    """Return empty arrays for so many vertices and faces in use, and half as many more."""
+    arrays = allocate(vertices + vertices // 2 + 256, faces + faces // 2 + 512)
+    arrays.layout[[VERTEX_TOP, VERTEX_COUNT]] = vertices
+    arrays.layout[[FACE_TOP, FACE_COUNT]] = faces
+    return arrays
+
+
+def _slots(arrays: MeshArrays) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the slots of vertices and faces in use, in rising order."""
+    vertices = np.flatnonzero(arrays.vertices[: arrays.layout[VERTEX_TOP], OUT] >= 0)
+    return vertices, np.flatnonzero(arrays.half_edges[: 3 * arrays.layout[FACE_TOP] : 3, ORIGIN] >= 0)
+
+
 def _in_space_order(points: NDArray[np.float64], cell: float) -> NDArray[np.int64]:
-    """Return an order of points in which neighbours in space are neighbours in memory (Z-order of cells)."""
-    index = np.floor((points - points.min(axis=0)) / cell).astype(np.int64)
-    code = np.zeros(len(points), dtype=np.int64)
-    for bit in range(max(int(index.max()).bit_length(), 1)):
-        for axis in range(3):
-            code |= ((index[:, axis] >> bit) & 1) << (3 * bit + 2 - axis)
-    return np.argsort(code, kind="stable")
+    """Return an order of points in which neighbours in space are neighbours in memory."""
+    order = np.empty(len(points), dtype=np.int64)
+    orders.space_order(points, cell, order)
+    return order
