@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from shapery_contracts.errors import InvalidInput
 from shapery_geometry.mesh import TriangleMesh
+from shapery_segmentation import _evolution_kernels as kernels
 from shapery_segmentation.flow.params import FlowState
 
 MAGIC = b"SHPEVO1\0"
@@ -134,22 +135,16 @@ def coarsened(mesh: TriangleMesh, most: int) -> TriangleMesh:
     """
     if len(mesh.vertices) <= most:
         return mesh
-    low = mesh.vertices.min(axis=0)
+    points, faces = np.ascontiguousarray(mesh.vertices), np.ascontiguousarray(mesh.faces)
     # A surface of area A crosses about 1.7 A/c² cells of side c.
-    side = float(np.sqrt(1.7 * mesh.area / most))
-    while True:
-        place = np.floor((mesh.vertices - low) / side).astype(np.int64)
-        counts = place.max(axis=0) + 1
-        key = (place[:, 0] * counts[1] + place[:, 1]) * counts[2] + place[:, 2]
-        cells, number = np.unique(key, return_inverse=True)
-        if len(cells) <= most:
-            break
-        side *= float(np.sqrt(len(cells) / most)) * 1.05
-    size = np.bincount(number).astype(np.float64)
-    points = np.stack([np.bincount(number, mesh.vertices[:, k]) / size for k in range(3)], axis=1)
-    faces = number[mesh.faces].astype(np.int32)
-    whole = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
-    return TriangleMesh(points, faces[whole])
+    side = float(np.sqrt(1.7 * kernels.surface_area(points, faces) / most))
+    room = np.empty((2, 1 << (2 * most).bit_length()), dtype=np.int64)
+    number = np.empty(len(points), dtype=np.int32)
+    while (cells := kernels.number_cells(points, side, room[0], room[1], number, most)) > most:
+        side *= 1.15
+    means, kept = np.empty((cells, 3)), np.empty_like(faces)
+    count = kernels.draw_together(points, faces, number, means, kept)
+    return TriangleMesh(means, kept[:count])
 
 
 def write_evolution(frames: tuple[Frame, ...], path: Path) -> None:

@@ -7,6 +7,7 @@ surrounded by enhancing voxels, and connected to the seed through more than a th
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -153,7 +154,15 @@ def _stands_out(values: FloatArray, around: tuple[float, float]) -> float:
     return (float(np.median(values)) - ground) / deviation if deviation > 0 else float("inf")
 
 
-def reach(field: FloatArray, brain: BoolArray, seed: BoolArray, spacing: float, *, rounds: int = 8) -> Region:
+def reach(
+    field: FloatArray,
+    brain: BoolArray,
+    seed: BoolArray,
+    spacing: float,
+    *,
+    rounds: int = 8,
+    hopeless: Callable[[BoolArray], bool] | None = None,
+) -> Region:
     """Return the region that `seed` reaches.
 
     Parameters
@@ -167,6 +176,9 @@ def reach(field: FloatArray, brain: BoolArray, seed: BoolArray, spacing: float, 
         Edge of a voxel in mm.
     rounds
         How often threshold and region are made from each other at the most.
+    hopeless
+        Asked about the voxels inside whenever they get near the end of their box: if they are no object already, the
+        region is returned as far as it has got. Leaks through a whole brain cost most of all.
 
     Notes
     -----
@@ -179,7 +191,7 @@ def reach(field: FloatArray, brain: BoolArray, seed: BoolArray, spacing: float, 
     box = box_around(seed, seed.shape, 3 * _MARGIN)
     while True:
         region = _reach_in(field, brain, seed, spacing, rounds, box)
-        if not _near_end(region.inside, box, seed.shape):
+        if not _near_end(region.inside, box, seed.shape) or (hopeless is not None and hopeless(region.inside)):
             return region
         near = box_around(region.inside | seed[box], region.inside.shape, 0)
         i, j, k = (

@@ -29,6 +29,7 @@ from scipy import ndimage
 
 from shapery_contracts.errors import InvalidInput
 from shapery_contracts.segmentation import SegmentationParams
+from shapery_geometry.intersections import self_intersections
 from shapery_geometry.rasterize import rasterize
 from shapery_geometry.volume import Volume
 from shapery_segmentation._flood_kernels import flood
@@ -230,6 +231,7 @@ def recover_object(
         iterations=int(flow.iterations),
         converged=bool(flow.converged),
         seed_mm3=float(seed.volume),
+        self_intersections=0 if flow.untouched else len(self_intersections(flow.mesh)),
         frames=recorder.frames(flow.mesh),
         polarity=polarity,
         notes=tuple(notes),

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from shapery_segmentation import _label_kernels as kernels
+from shapery_segmentation.concurrent import both
 from shapery_segmentation.neighborhoods import box_around, within
 
 BoolArray = NDArray[np.bool_]
@@ -75,8 +76,8 @@ def fill_enclosed(rim: BoolArray, spacing: float) -> BoolArray:
     reaches = np.floor(SIGHT / lengths).astype(np.int64)
     counts = np.zeros(part.shape, dtype=np.uint8)
     steps = np.empty(tuple(n + 2 for n in part.shape), dtype=np.int16)
-    kernels.count_rays(part, DIRECTIONS, reaches, steps, counts)
-    out[box] = ((counts >= ENCLOSED_FROM) | _holes(part)) & ~part
+    _, holes = both(lambda: kernels.count_rays(part, DIRECTIONS, reaches, steps, counts), lambda: _holes(part))
+    out[box] = ((counts >= ENCLOSED_FROM) | holes) & ~part
     return out
 
 

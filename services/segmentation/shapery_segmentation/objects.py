@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapery_contracts.segmentation import SegmentationParams
+from shapery_geometry.intersections import self_intersections
 from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.rasterize import rasterize
 from shapery_geometry.volume import Volume
@@ -40,6 +41,9 @@ vessels and plexus that pass the other tests have up to 230, tumors 440 and more
 COMPACT = (1.7, 0.12)
 """Centre and width of a step in the spread of an object (see `spread`): tumors have 0.8 to 1.4, trees of sinuses and
 veins 2.4 and more."""
+
+HOPELESS = 0.01
+"""Likelihood of its shape below which a region that still grows is not followed farther."""
 
 DISTINCT = (2.4, 0.15)
 """Centre and width of a step in the contrast of an object to its surroundings (see `shapery_segmentation.gate`). Normal
@@ -74,6 +78,8 @@ class Recovered:
         Of the flow.
     seed_mm3
         Volume that the seed surface enclosed.
+    self_intersections
+        Pairs of faces of the surface that intersect.
     frames
         The surface on its way.
     polarity
@@ -92,6 +98,7 @@ class Recovered:
     iterations: int
     converged: bool
     seed_mm3: float
+    self_intersections: int
     frames: tuple[Frame, ...] = ()
     polarity: Literal["bright", "dark", "between"] = "bright"
     notes: tuple[str, ...] = ()
@@ -140,7 +147,13 @@ def recover(
         if np.count_nonzero(seed) <= LEAST_NEW * np.count_nonzero(candidate.voxels):
             continue
         on_progress(number / len(candidates), f"object {len(found) + 1}")
-        region = reach(calibration.field, free, seed, brain.grid.spacing)
+        region = reach(
+            calibration.field,
+            free,
+            seed,
+            brain.grid.spacing,
+            hopeless=(lambda inside: _hopeless(inside, brain.grid.spacing)) if automatic else None,
+        )
         confidence = _judge(candidate, region, weight, brain, calibration)
         if automatic and confidence < LEAST_CONFIDENCE:
             continue
@@ -184,15 +197,30 @@ def _judge(candidate: Candidate, region: Region, weight: FloatArray, brain: Brai
         # The seed is a few voxels; what it reached must speak for itself.
         evidence = float(own[own > LEAST_WEIGHT].sum()) * brain.grid.spacing**3
     spacing = brain.grid.spacing
-    core = fill_enclosed(region.inside, spacing) | region.inside
+    core = _core(region.inside, spacing)
     stands_out = contrast(calibration.field[region.box], brain.mask[region.box], region.inside, core, spacing)
     share = min(1.0, float(own.mean()) / LEAST_SHARE)
     return (
         _confidence(evidence, calibration)
         * share
-        * _logistic((COMPACT[0] - spread(core)) / COMPACT[1])
+        * _compact(core)
         * _logistic((stands_out - DISTINCT[0]) / DISTINCT[1])
     )
+
+
+def _core(inside: BoolArray, spacing: float) -> BoolArray:
+    """Return the voxels of a region and those that it encloses."""
+    return fill_enclosed(inside, spacing) | inside
+
+
+def _compact(core: BoolArray) -> float:
+    """Return how likely a tumor has such a shape, in [0, 1]."""
+    return _logistic((COMPACT[0] - spread(core)) / COMPACT[1])
+
+
+def _hopeless(inside: BoolArray, spacing: float) -> bool:
+    """Return whether a region that still grows is a tree or a sheet already; what it encloses costs more to find."""
+    return _compact(inside) < HOPELESS and _compact(_core(inside, spacing)) < HOPELESS
 
 
 def _logistic(x: float) -> float:
@@ -288,6 +316,8 @@ def _recover_one(
         iterations=int(flow.iterations),
         converged=bool(flow.converged),
         seed_mm3=float(start.seed.volume),
+        # Found apart on the safe side, they need not be told apart exactly.
+        self_intersections=0 if flow.untouched else len(self_intersections(flow.mesh)),
         frames=recorder.frames(flow.mesh),
         notes=() if note is None else (note,),
     )

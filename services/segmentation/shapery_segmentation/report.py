@@ -13,7 +13,6 @@ import numpy as np
 from shapery_contracts.segmentation import Microhemorrhage, SegmentedObject, SegmentedVessel
 from shapery_geometry.intersections import self_intersections
 from shapery_geometry.mesh import TriangleMesh
-from shapery_segmentation.concurrent import both
 
 if TYPE_CHECKING:
     from shapery_segmentation.objects import Recovered
@@ -41,7 +40,6 @@ def describe(item: Recovered, number: int, voxel_mm3: float) -> SegmentedObject:
     """Return the report's entry of one object."""
     surface = item.surface
     volume = float(np.count_nonzero(item.inside)) * voxel_mm3
-    genus, touching = both(lambda: surface.genus, lambda: self_intersections(surface))
     return SegmentedObject(
         label=number,
         seed=[float(x) for x in item.seed],
@@ -54,8 +52,8 @@ def describe(item: Recovered, number: int, voxel_mm3: float) -> SegmentedObject:
         vertices=len(surface.vertices),
         faces=len(surface.faces),
         closed=surface.closed,
-        genus=genus,
-        self_intersections=len(touching),
+        genus=surface.genus,
+        self_intersections=item.self_intersections,
         threshold=item.threshold,
         iterations=item.iterations,
         converged=item.converged,

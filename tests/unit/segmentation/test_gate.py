@@ -91,6 +91,31 @@ def test_reach_follows_an_object_beyond_its_first_box() -> None:
     assert inside[66, 30, 30]
 
 
+def test_reach_gives_up_what_has_left_its_box_and_is_no_object() -> None:
+    field = np.where(tube(6), 5.0, 0.0).astype(np.float32)
+    brain = np.ones(SHAPE, dtype=bool)
+    seed = ball((10, 30, 30), 3)
+    asked: list[int] = []
+
+    def hopeless(inside: np.ndarray) -> bool:
+        asked.append(int(inside.sum()))
+        return True
+
+    region = reach(field, brain, seed, 1.0, hopeless=hopeless)
+    assert asked == [int(region.inside.sum())]
+    whole = reach(field, brain, seed, 1.0, hopeless=lambda inside: False)
+    assert asked[0] < whole.inside.sum() == tube(6).sum()
+    # What lies in its first box is not asked about.
+    reach(
+        np.where(ball((35, 30, 30), 8), 5.0, 0.0).astype(np.float32),
+        brain,
+        ball((35, 30, 30), 3),
+        1.0,
+        hopeless=hopeless,
+    )
+    assert len(asked) == 1
+
+
 def test_reach_of_a_speck_is_the_speck() -> None:
     field = np.zeros(SHAPE, np.float32)
     field[30, 30, 30] = 9.0

@@ -164,8 +164,8 @@ class Evolution:
             )
         )
 
-    def result(self) -> FlowResult:
-        """Return where the surface is."""
+    def result(self, untouched: bool) -> FlowResult:
+        """Return where the surface is, and what a test of all faces said in the end."""
         modes = self._counter[self.mesh.live, states.MODE]
         mesh = self.mesh.to_triangle_mesh()
         return FlowResult(
@@ -182,6 +182,7 @@ class Evolution:
             oscillations=self._oscillations,
             interpolations=self.interpolations,
             reconnections=self.reconnections,
+            untouched=untouched,
             stages=tuple(self.stages),
         )
 

@@ -119,12 +119,13 @@ def normal_flow(
     affine = check_affine(affine)
     # What hardly ever touches anything is not tested while it moves, but in the end. Should it touch something all the
     # same, that is mended where it is; where it cannot be, the flow begins again, and every move is tested.
+    untouched = False
     for thorough in (False, True):
         evolution = Evolution(field, allowed, affine, seed, p, threshold, thorough)
         for stage in range(len(p.edge_lengths)):
             evolution.run_stage(stage, on_iteration)
             if evolution.vanished:
                 break
-        if thorough or evolution.mesh.mend(MENDINGS):
+        if untouched := evolution.mesh.mend(0 if thorough else MENDINGS):
             break
-    return evolution.result()
+    return evolution.result(untouched)

@@ -98,11 +98,11 @@ class NormalFlowParams:
     interpolation_share: float | None = 0.1
     interpolation_interval: int = 8
     window: int = 1
-    rest: float = 0.03
+    rest: float = 0.01
     stir: float = 0.1
     remesh_interval: int = 4
     release_interval: int = 20
-    awake_share: float = 0.02
+    awake_share: float = 0.01
     max_iterations: int = 400
     topology: Literal["preserve", "adaptive"] = "preserve"
 
@@ -199,6 +199,8 @@ class FlowResult:
         How often vertices were interpolated (S8).
     reconnections
         How often the topology was changed.
+    untouched
+        Whether in the end all pairs of faces were found apart, but for what they share.
     stages
         One record per stage that ran.
     """
@@ -216,4 +218,5 @@ class FlowResult:
     oscillations: int
     interpolations: int
     reconnections: int
+    untouched: bool
     stages: tuple[StageRecord, ...]
