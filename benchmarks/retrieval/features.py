@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 import shapery_geometry
 import shapery_retrieval
+from shapery_contracts.retrieval import INDEX_VERSION
 from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.operators.sampling import sample_surface
 from shapery_retrieval.arg import Arg
@@ -24,8 +25,8 @@ from shapery_retrieval.patches import SHARES, Patches
 CACHE = Path(os.environ.get("SHAPERY_BENCH_CACHE", Path(tempfile.gettempdir()) / "shapery-bench"))
 _ROOT = Path(__file__).resolve().parents[2]
 _COMPARING = (
-    "_correspondence_kernels", "_matching_kernels", "arg", "commands", "correspondence", "job", "laid_out", "local",
-    "matching", "packing", "preview", "ranking", "report", "search", "vector", "vectors", "vocabulary", "warm",
+    "_correspondence_kernels", "_matching_kernels", "arg", "commands", "correspondence", "coverage", "job", "laid_out",
+    "local", "matching", "packing", "preview", "ranking", "report", "search", "vector", "vectors", "vocabulary", "warm",
     "threads",
 )  # fmt: skip
 """Sources that compare graphs, keep or show them, and do not change what is computed from a mesh."""
@@ -33,11 +34,11 @@ _OF_VOLUMES = ("_rasterize_kernels", "_resampling_kernels", "mask_metrics", "ras
 
 
 def _digest() -> str:
-    digest = hashlib.sha256()
+    digest = hashlib.sha256(b"%d" % INDEX_VERSION)
     for package in (shapery_geometry, shapery_retrieval):
         folder = Path(str(package.__file__)).parent
         for path in sorted((*folder.rglob("*.py"), *folder.rglob("*.npz"))):
-            beside = path.stem in (*_COMPARING, *_OF_VOLUMES) or path.parent.name == "volume_io"
+            beside = path.stem in (*_COMPARING, *_OF_VOLUMES) or path.parent.name in ("fitting", "volume_io")
             if path.suffix == ".npz" or not beside:
                 digest.update(path.read_bytes())
     return digest.hexdigest()[:16]

@@ -51,8 +51,9 @@ class Grown:
         vectors = vectors_of(*self._real)
         self._near = np.argsort(cue_distances(vectors, vectors, "covariance"), axis=1)[:, 1:13]
         self._spread = NOISE * vectors.std(axis=0)
-        digest = hashlib.sha256(b"".join(arg.to_bytes() for arg in args)).hexdigest()[:16]
-        self._folder = CACHE / f"grown-{digest}"
+        digest = hashlib.sha256(b"".join(arg.to_bytes() for arg in args))
+        digest.update(vectors.tobytes())
+        self._folder = CACHE / f"grown-{digest.hexdigest()[:16]}"
         self._folder.mkdir(parents=True, exist_ok=True)
         self._size = size
         count = min(size, MOST_GRAPHS)

@@ -27,6 +27,11 @@ def vector(seed: int) -> list[float]:
     return [float(seed >> bit & 1) for bit in range(24)] + [1.0] * (VECTOR_DIMENSION - 24)
 
 
+def part_vector(seed: int) -> list[float]:
+    """Return the vector of parts, likewise: its digits are those of `seed` with the lowest one turned over."""
+    return vector(seed ^ 1)
+
+
 def distance(one: int, two: int) -> float:
     """Return how far apart the vectors of two seeds are."""
     return math.sqrt((one ^ two).bit_count())
@@ -52,6 +57,7 @@ def result(seed: int, **changed: Any) -> ShapeIndexResult:
     values: dict[str, Any] = {
         "index_version": INDEX_VERSION,
         "vector": vector(seed),
+        "part_vector": part_vector(seed),
         "arg_bytes": len(graph(seed)),
         "vertices": 3,
         "faces": 1,

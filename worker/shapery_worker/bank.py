@@ -1,9 +1,9 @@
 """The shape database as a search reads it: `shapery_contracts.retrieval.ShapeBank` over the rows.
 
-On SQLite the vectors of an owner are kept in memory and compared exactly; on PostgreSQL the database finds the nearest
-ones by its index. Graphs are kept in memory on both, within bounds: under its id and version a graph never changes.
-What is kept is brought up to date before each search by asking for the number of the owner's last change, and reading
-what has changed since.
+On SQLite the vectors of an owner are kept in memory, those of parts once they are asked for, and compared exactly; on
+PostgreSQL the database finds the nearest ones by its index. Graphs are kept in memory on both, within bounds: under its
+id and version a graph never changes. What is kept is brought up to date before each search by asking for the number of
+the owner's last change, and reading what has changed since.
 """
 
 from __future__ import annotations
@@ -14,8 +14,9 @@ from uuid import UUID
 
 import numpy as np
 import numpy.typing as npt
+from sqlalchemy.orm import Session
 
-from shapery_contracts.retrieval import INDEX_VERSION, VECTOR_DIMENSION, Candidate, ShapeBank, ShapeFilter
+from shapery_contracts.retrieval import INDEX_VERSION, VECTOR_DIMENSION, By, Candidate, ShapeBank, ShapeFilter
 from shapery_platform.db import Database
 from shapery_platform.db.repositories import bank as repository
 from shapery_platform.db.types import pack_vector
@@ -96,21 +97,48 @@ class VectorTable:
         return sorted(found, key=lambda candidate: (candidate.distance, candidate.shape_id))[:limit]
 
 
+class _Vectors:
+    """One owner's vectors of one kind, by their index versions, as they were at a revision."""
+
+    def __init__(self) -> None:
+        self.revision = 0
+        self.removals = 0
+        self.tables: dict[int, VectorTable] = {}
+
+    def refresh(self, session: Session, owner: str, by: By, revision: int, removals: int) -> None:
+        """Read what has changed."""
+        # a change committed after the look at the number is read now, and once more next time
+        for row in repository.vectors_after(session, owner, self.revision, by):
+            for version, table in self.tables.items():
+                if version != row.index_version or row.vector is None:
+                    table.drop(row.id)
+            if row.vector is not None:
+                self.tables.setdefault(row.index_version, VectorTable()).put(row.id, row.vector)
+        if removals != self.removals:
+            for version, table in self.tables.items():
+                there = set(repository.ids(session, owner, version, None, {}))
+                for shape_id in [shape_id for shape_id in table.ids if shape_id not in there]:
+                    table.drop(shape_id)
+        self.revision, self.removals = revision, removals
+
+
 class _Kept:
     """What is kept of one owner's shapes."""
 
     def __init__(self) -> None:
         self.revision = 0
         self.removals = 0
-        self.tables: dict[int, VectorTable] = {}
+        self.vectors: dict[By, _Vectors] = {}
+        """Of the kinds that were asked for."""
         self.graphs: OrderedDict[tuple[int, UUID], bytes] = OrderedDict()
         self.graph_bytes = 0
-        self.rows: dict[tuple[int, str], npt.NDArray[np.intp]] = {}
+        self.rows: dict[tuple[By, int, str], npt.NDArray[np.intp]] = {}
         """Of filters asked for since the last change."""
 
     @property
     def size(self) -> int:
-        return self.graph_bytes + sum(table.size for table in self.tables.values())
+        tables = (table for vectors in self.vectors.values() for table in vectors.tables.values())
+        return self.graph_bytes + sum(table.size for table in tables)
 
     def keep_graph(self, version: int, shape_id: UUID, graph: bytes, room: int) -> None:
         self.graphs[version, shape_id] = graph
@@ -152,7 +180,6 @@ class Banks:
         return MemoryBank(self._database, owner, kept, self._room)
 
     def _refresh(self, owner: str, kept: _Kept) -> None:
-        exact = self._database.dialect != "postgresql"
         with self._database.session(readonly=True) as session:
             revision, removals = repository.state(session, owner)
             if revision == kept.revision:
@@ -160,18 +187,8 @@ class Banks:
             kept.rows.clear()
             if removals != kept.removals:
                 kept.forget_graphs()
-            if exact:
-                # a change committed after the look at the number is read now, and once more next time
-                for row in repository.vectors_after(session, owner, kept.revision):
-                    for version, table in kept.tables.items():
-                        if version != row.index_version:
-                            table.drop(row.id)
-                    kept.tables.setdefault(row.index_version, VectorTable()).put(row.id, row.vector)
-                if removals != kept.removals:
-                    for version, table in kept.tables.items():
-                        there = set(repository.ids(session, owner, version, None, {}))
-                        for shape_id in [shape_id for shape_id in table.ids if shape_id not in there]:
-                            table.drop(shape_id)
+            for by, vectors in kept.vectors.items():
+                vectors.refresh(session, owner, by, revision, removals)
         kept.revision, kept.removals = revision, removals
 
 
@@ -211,16 +228,25 @@ class MemoryBank(_Bank):
         *,
         version: int = INDEX_VERSION,
         only: ShapeFilter | None = None,
+        by: By = "whole",
     ) -> Sequence[Candidate]:
         """Return the nearest shapes."""
-        table = self._kept.tables.get(version)
+        table = self._table(by, version)
         if table is None or limit < 1:
             return []
-        rows = None if only is None or only == NO_FILTER else self._rows(table, version, only)
+        rows = None if only is None or only == NO_FILTER else self._rows(table, by, version, only)
         return table.nearest(np.asarray(vector, np.float64), limit, rows)
 
-    def _rows(self, table: VectorTable, version: int, filter_: ShapeFilter) -> npt.NDArray[np.intp]:
-        key = version, filter_.model_dump_json()
+    def _table(self, by: By, version: int) -> VectorTable | None:
+        vectors = self._kept.vectors.get(by)
+        if vectors is None:
+            vectors = self._kept.vectors[by] = _Vectors()
+            with self._database.session(readonly=True) as session:
+                vectors.refresh(session, self._owner, by, self._kept.revision, self._kept.removals)
+        return vectors.tables.get(version)
+
+    def _rows(self, table: VectorTable, by: By, version: int, filter_: ShapeFilter) -> npt.NDArray[np.intp]:
+        key = by, version, filter_.model_dump_json()
         if key not in self._kept.rows:
             with self._database.session(readonly=True) as session:
                 ids = repository.ids(session, self._owner, version, filter_.collection, filter_.labels)
@@ -238,6 +264,7 @@ class PostgresBank(_Bank):
         *,
         version: int = INDEX_VERSION,
         only: ShapeFilter | None = None,
+        by: By = "whole",
     ) -> Sequence[Candidate]:
         """Return the nearest shapes."""
         if limit < 1:
@@ -245,7 +272,7 @@ class PostgresBank(_Bank):
         asked = only or NO_FILTER
         with self._database.session(readonly=True) as session:
             rows = repository.nearest(
-                session, self._owner, version, pack_vector(vector), limit, asked.collection, asked.labels
+                session, self._owner, version, pack_vector(vector), limit, asked.collection, asked.labels, by
             )
         found = (Candidate(str(row.id), row.distance, row.vector) for row in rows)
         return sorted(found, key=lambda candidate: (candidate.distance, candidate.shape_id))

@@ -15,7 +15,7 @@ import threading
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from shapery_contracts.retrieval import INDEX_VERSION, VECTOR_DIMENSION, Candidate, ShapeBank, ShapeFilter
+from shapery_contracts.retrieval import INDEX_VERSION, VECTOR_DIMENSION, By, Candidate, ShapeBank, ShapeFilter
 
 logger = logging.getLogger(__name__)
 
@@ -42,6 +42,7 @@ class BankClient:
         *,
         version: int = INDEX_VERSION,
         only: ShapeFilter | None = None,
+        by: By = "whole",
     ) -> Sequence[Candidate]:
         """Return the nearest shapes."""
         answer = self._ask(
@@ -51,6 +52,7 @@ class BankClient:
                 "limit": int(limit),
                 "version": version,
                 "only": None if only is None else only.model_dump(mode="json"),
+                "by": by,
             }
         )
         size = 4 * VECTOR_DIMENSION
@@ -131,6 +133,7 @@ class BankServer:
                 question["limit"],
                 version=question["version"],
                 only=None if asked is None else ShapeFilter.model_validate(asked),
+                by=question["by"],
             )
             return {"found": [candidate[:2] for candidate in found]}, (candidate.vector for candidate in found)
         except Exception as error:

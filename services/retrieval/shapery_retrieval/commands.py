@@ -16,7 +16,7 @@ from shapery_contracts.retrieval import ShapeSearchParams, ShapeSearchResult
 from shapery_geometry.mesh_io import read_mesh, read_mesh_bytes
 from shapery_retrieval.arg import Arg
 from shapery_retrieval.describe import build_arg, describe
-from shapery_retrieval.job import search_bank
+from shapery_retrieval.job import Query, search_bank
 from shapery_retrieval.local import open_bank
 from shapery_retrieval.search import score_matrix
 
@@ -54,7 +54,7 @@ def search_file(path: Path, bank: Path, params: ShapeSearchParams) -> ShapeSearc
     with open_bank(bank, must_exist=True) as stored:
         found = describe(read_mesh(path))
         hypotheses = found.hypotheses() if params.mode == "partial" else ()
-        return search_bank(found.arg, params, stored, None, {}, hypotheses=hypotheses)
+        return search_bank(Query(found.arg, hypotheses=hypotheses), params, stored, None, {})
 
 
 def write_matrix(bank: Path, out: Path, *, rerank: bool = False) -> int:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import importlib
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 from shapery_contracts.errors import InvalidInput, Unavailable
 from shapery_contracts.handler import JobContext
 from shapery_contracts.retrieval import (
+    By,
     IndexStage,
     PartMatch,
     ShapeBank,
@@ -37,8 +39,30 @@ WRITE = 0.85
 
 CANDIDATES = 600
 """So many shapes, nearest by their vectors, are compared by all cues: a `shapery_retrieval.ranking.NEIGHBOURHOOD`."""
-PARTIAL_CANDIDATES = 4000
-"""A part may be of anything: far more shapes are matched then."""
+PARTIAL_CANDIDATES = 600
+"""So many shapes, nearest by the vectors of their parts, are compared with a part by all patches."""
+
+
+@dataclass(frozen=True, eq=False)
+class Query:
+    """What is searched with.
+
+    Attributes
+    ----------
+    arg
+        Its graph.
+    numbers
+        For each level what its parts are called in the hits; by default by their place.
+    hypotheses
+        Of a part; see `shapery_retrieval.search.Searcher.search`.
+    vector
+        Its vector, where it is known.
+    """
+
+    arg: Arg
+    numbers: PartNumbers | None = None
+    hypotheses: Sequence[Patches] = ()
+    vector: NDArray[np.float64] | None = None
 
 
 class ShapeIndexHandler:
@@ -107,37 +131,41 @@ class ShapeSearchHandler:
         seconds: dict[str, float] = {}
         start = time.perf_counter()
         context.stage("read", 0.0)
-        query, numbers, hypotheses = self._query(params, inputs, bank, context)
-        seconds["index"] = time.perf_counter() - start
         if self._searchers is None:
             from shapery_retrieval.laid_out import Searchers
 
             self._searchers = Searchers()  # a process that answers many queries asks this very handler
-        result = search_bank(query, params, bank, context, seconds, self._searchers, numbers, hypotheses)
+        query = self._query(params, inputs, bank, context, self._searchers)
+        seconds["index"] = time.perf_counter() - start
+        result = search_bank(query, params, bank, context, seconds, self._searchers)
         context.stage("write", 0.98)
         (context.output / "results.json").write_text(result.model_dump_json(indent=2))
         context.progress(1.0)
         return result
 
     def _query(
-        self, params: ShapeSearchParams, inputs: Mapping[str, Path], bank: ShapeBank, context: JobContext
-    ) -> tuple[Arg, PartNumbers | None, Sequence[Patches]]:
-        """Return the query's graph, what its parts are called and, where its size is unknown, what it may be."""
+        self,
+        params: ShapeSearchParams,
+        inputs: Mapping[str, Path],
+        bank: ShapeBank,
+        context: JobContext,
+        searchers: Searchers,
+    ) -> Query:
         from shapery_geometry.mesh_io import read_mesh
-        from shapery_retrieval.arg import Arg
         from shapery_retrieval.describe import describe
         from shapery_retrieval.report import write_views
         from shapery_retrieval.search import parts_in, region_of
 
         shares: list[NDArray[np.float64]] | None = None
         hypotheses: Sequence[Patches] = ()
+        vector: NDArray[np.float64] | None = None
         if params.shape_id is not None and not (params.region is not None and "mesh" in inputs):
             if params.region is not None:
                 raise InvalidInput("invalid_params", "A region is of the faces of a mesh, which was not given.")
-            stored = bank.args([params.shape_id]).get(params.shape_id)
+            stored = searchers.stored(bank, params.shape_id)
             if stored is None:
                 raise InvalidInput("not_found", f"There is no shape {params.shape_id!r} in the bank.")
-            query = Arg.from_bytes(stored)
+            query, vector = stored.arg, stored.vector
         elif "mesh" in inputs:
             mesh = read_mesh(inputs["mesh"])
             context.check_cancelled()
@@ -154,21 +182,19 @@ class ShapeSearchHandler:
         if params.parts is not None:
             shares = _shares_of_parts(query, params.parts)
         if shares is None:
-            return query, None, hypotheses
-        return region_of(query, shares), parts_in(query, shares), ()
+            return Query(query, hypotheses=hypotheses, vector=vector)
+        return Query(region_of(query, shares), parts_in(query, shares))
 
 
 def search_bank(
-    query: Arg,
+    query: Query,
     params: ShapeSearchParams,
     bank: ShapeBank,
     context: JobContext | None,
     seconds: dict[str, float],
     searchers: Searchers | None = None,
-    numbers: PartNumbers | None = None,
-    hypotheses: Sequence[Patches] = (),
 ) -> ShapeSearchResult:
-    """Search a bank with a graph.
+    """Search a bank.
 
     Parameters
     ----------
@@ -184,12 +210,10 @@ def search_bank(
         Time of earlier stages.
     searchers
         What earlier queries have read; none where the ids of the bank may come to mean other graphs.
-    numbers
-        For each level what the query's parts are called in the hits; by default by their place.
-    hypotheses
-        Of a partial query; see `shapery_retrieval.search.Searcher.search`.
     """
+    from shapery_retrieval.coverage import asked_of
     from shapery_retrieval.laid_out import GoneError, Searchers
+    from shapery_retrieval.patches import patches_of
     from shapery_retrieval.vector import vector_of
 
     partial = params.mode == "partial" or params.region is not None or params.parts is not None
@@ -201,34 +225,38 @@ def search_bank(
         return time.perf_counter()
 
     start = stage("candidates", 0.6)
-    limit = PARTIAL_CANDIDATES if partial else max(CANDIDATES, 2 * params.limit)
-    vector = vector_of(query)
-    near = bank.candidates(vector.tolist(), limit, version=query.index_version, only=params.filter)
+    version = query.arg.index_version
+    by: By = "parts" if partial else "whole"
+    hypotheses = query.hypotheses or [patches_of(query.arg)]
+    known = vector_of(query.arg) if query.vector is None and not partial else query.vector
+    vector = asked_of(hypotheses) if known is None or partial else known
+    limit = max(PARTIAL_CANDIDATES if partial else CANDIDATES, 2 * params.limit)
+    near = bank.candidates(vector.tolist(), limit, version=version, only=params.filter, by=by)
     seconds["candidates"] = time.perf_counter() - start
     start = stage("match", 0.7)
     searchers = searchers or Searchers()
     while True:
-        searcher = searchers.over(bank, near, query.index_version)
+        searcher = searchers.over(bank, near, version)
         try:
             answer = searcher.search(
-                query,
+                query.arg,
                 limit=params.limit,
                 exclude=params.shape_id,
                 partial=partial,
                 rerank=params.rerank,
                 hypotheses=hypotheses,
-                vector=vector,
+                vector=None if partial else vector,
             )
             break
         except GoneError as error:
             near = [candidate for candidate in near if candidate.shape_id not in error.ids]
     seconds["match"] = time.perf_counter() - start
     return ShapeSearchResult(
-        index_version=query.index_version,
+        index_version=version,
         mode="partial" if partial else "global",
         candidates=answer.compared,
         cues={name: round(weight, 4) for name, weight in answer.cues.items()},
-        hits=_hits(answer, numbers),
+        hits=_hits(answer, query.numbers),
         stages=[IndexStage(name=name, seconds=round(value, 4)) for name, value in seconds.items()],
     )
 

@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 from shapery_contracts.retrieval import INDEX_VERSION, VECTOR_DIMENSION, Candidate, ShapeBank
 from shapery_retrieval.arg import Arg
 from shapery_retrieval.correspondence import SampledSurface, surface_of
-from shapery_retrieval.packing import PackedLevel, joined, pack_levels
+from shapery_retrieval.packing import PackedLevel, joined, pack_levels, whole_arrays
 from shapery_retrieval.patches import Patches, patches_of
 from shapery_retrieval.search import Searcher
+from shapery_retrieval.vector import vectors_of
 
 MOST_BANKS = 4
 MOST_GRAPHS = 8192
@@ -31,18 +32,25 @@ class GoneError(Exception):
 
 
 @dataclass(eq=False)
-class _Laid:
-    """A graph, laid out; its patches and its samples are when they are first asked for."""
+class LaidOut:
+    """A graph, laid out; the rest is when it is first asked for."""
 
     levels: tuple[PackedLevel, ...]
     arg: Arg
 
     @cached_property
     def patches(self) -> Patches:
+        """Its patches."""
         return patches_of(self.arg)
 
     @cached_property
+    def vector(self) -> NDArray[np.float64]:
+        """(256,) its vector."""
+        return np.asarray(vectors_of(self.levels, whole_arrays([self.arg]))[0], dtype=np.float64)
+
+    @cached_property
     def surface(self) -> SampledSurface:
+        """Its samples."""
         return surface_of(self.arg)
 
 
@@ -54,7 +62,7 @@ class Searchers:
     """
 
     def __init__(self) -> None:
-        self._graphs: OrderedDict[str, _Laid] = OrderedDict()
+        self._graphs: OrderedDict[str, LaidOut] = OrderedDict()
         self._scales: OrderedDict[tuple[str, ...], dict[str, NDArray[np.float64]]] = OrderedDict()
 
     def over(self, bank: ShapeBank, near: Sequence[Candidate], version: int = INDEX_VERSION) -> Searcher:
@@ -83,13 +91,17 @@ class Searchers:
         table = vectors.reshape(len(ids), VECTOR_DIMENSION)
         return Searcher(ids, table, lay, lay_patches, lay_surfaces, version, scales)
 
-    def _laid(self, bank: ShapeBank, ids: Sequence[str]) -> list[_Laid]:
+    def stored(self, bank: ShapeBank, shape_id: str) -> LaidOut | None:
+        """Return a graph of a bank, or None where it is not there, or not any more."""
+        return self._laid(bank, [shape_id])[0] if bank.args([shape_id]) else None
+
+    def _laid(self, bank: ShapeBank, ids: Sequence[str]) -> list[LaidOut]:
         missing = [shape_id for shape_id in ids if shape_id not in self._graphs]
         read = bank.args(missing) if missing else {}
         args = [Arg.from_bytes(data, trusted=True) for data in read.values()]
         together = pack_levels(args) if args else ()
         for place, (shape_id, arg) in enumerate(zip(read, args, strict=True)):
-            self._graphs[shape_id] = _Laid(tuple(level.taken(np.array([place])) for level in together), arg)
+            self._graphs[shape_id] = LaidOut(tuple(level.taken(np.array([place])) for level in together), arg)
         gone = frozenset(shape_id for shape_id in missing if shape_id not in self._graphs)
         if gone:
             raise GoneError(gone)

@@ -11,8 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from shapery_contracts.errors import InvalidInput
-from shapery_contracts.retrieval import INDEX_VERSION, Candidate, ShapeFilter
+from shapery_contracts.retrieval import INDEX_VERSION, By, Candidate, ShapeFilter
 from shapery_retrieval.arg import Arg
+from shapery_retrieval.coverage import coverage_of
 from shapery_retrieval.vector import vector_of
 
 _SCHEMA = """
@@ -21,6 +22,7 @@ CREATE TABLE IF NOT EXISTS shapes (
     sha256 TEXT NOT NULL,
     index_version INTEGER NOT NULL,
     vector BLOB NOT NULL,
+    part_vector BLOB,
     arg BLOB NOT NULL
 ) WITHOUT ROWID
 """
@@ -56,6 +58,9 @@ class LocalBank:
                 self._database.execute(f"PRAGMA application_id = {_APPLICATION}")
                 self._database.execute(_SCHEMA)
                 self._database.commit()
+            elif "part_vector" not in {row[1] for row in self._database.execute("PRAGMA table_info(shapes)")}:
+                # of an index version before there were any
+                self._database.execute("ALTER TABLE shapes ADD COLUMN part_vector BLOB")
         except sqlite3.DatabaseError as error:
             raise InvalidInput("corrupt_file", f"{self.path} is no bank of shapes: {error}.") from error
 
@@ -89,10 +94,14 @@ class LocalBank:
 
     def put(self, name: str, content: bytes, arg: Arg) -> None:
         """Store a shape; one of the same name is replaced."""
-        vector = vector_of(arg).astype("<f4").tobytes()
-        row = (name, hashlib.sha256(content).hexdigest(), arg.index_version, vector, arg.to_bytes())
+        vectors = (vector_of(arg).astype("<f4").tobytes(), coverage_of(arg).astype("<f4").tobytes())
+        row = (name, hashlib.sha256(content).hexdigest(), arg.index_version, *vectors, arg.to_bytes())
         with self._database:
-            self._database.execute("INSERT OR REPLACE INTO shapes VALUES (?, ?, ?, ?, ?)", row)
+            self._database.execute(
+                "INSERT OR REPLACE INTO shapes (name, sha256, index_version, vector, part_vector, arg) "
+                "VALUES (?, ?, ?, ?, ?, ?)",
+                row,
+            )
 
     def remove(self, name: str) -> bool:
         """Remove a shape; say whether it was there."""
@@ -100,13 +109,21 @@ class LocalBank:
             return self._database.execute("DELETE FROM shapes WHERE name = ?", (name,)).rowcount > 0
 
     def candidates(
-        self, vector: Sequence[float], limit: int, *, version: int = INDEX_VERSION, only: ShapeFilter | None = None
+        self,
+        vector: Sequence[float],
+        limit: int,
+        *,
+        version: int = INDEX_VERSION,
+        only: ShapeFilter | None = None,
+        by: By = "whole",
     ) -> Sequence[Candidate]:
         """See `ShapeBank.candidates`; there are neither collections nor labels here."""
         if only is not None and (only.collection is not None or only.labels):
             raise InvalidInput("invalid_params", "A bank in a file has neither collections nor labels.")
         rows = self._database.execute(
-            "SELECT name, vector FROM shapes WHERE index_version = ? ORDER BY name", (version,)
+            "SELECT name, CASE ? WHEN 'parts' THEN part_vector ELSE vector END AS compared FROM shapes "
+            "WHERE index_version = ? AND compared IS NOT NULL ORDER BY name",
+            (by, version),
         ).fetchall()
         if not rows:
             return []
@@ -119,7 +136,9 @@ class LocalBank:
         """See `ShapeBank.args`."""
         found = {}
         for name in ids:
-            row = self._database.execute("SELECT arg FROM shapes WHERE name = ?", (name,)).fetchone()
+            row = self._database.execute(
+                "SELECT arg FROM shapes WHERE name = ? AND index_version = ?", (name, INDEX_VERSION)
+            ).fetchone()
             if row is not None:
                 found[name] = row[0]
         return found

@@ -10,6 +10,7 @@ from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.mesh_io import write_scene_glb
 from shapery_geometry.repair import mesh_report
 from shapery_retrieval.arg import Arg
+from shapery_retrieval.coverage import coverage_of
 from shapery_retrieval.describe import Description
 from shapery_retrieval.normalise import cleaned, web_mesh
 from shapery_retrieval.preview import png_bytes, preview
@@ -57,6 +58,7 @@ def write_outputs(mesh: TriangleMesh, found: Description, folder: Path, preview_
     result = ShapeIndexResult(
         index_version=found.arg.index_version,
         vector=vector_of(found.arg).tolist(),
+        part_vector=coverage_of(found.arg).tolist(),
         arg_bytes=len(data),
         vertices=len(mesh.vertices),
         faces=len(mesh.faces),

@@ -73,7 +73,7 @@ class Searcher:
     ids
         Names of the shapes, in ascending order.
     vectors : (n, 256) float32
-        Their vectors.
+        Their vectors, or others where it searches with parts alone, which are not compared by them.
     lay, lay_patches, lay_surfaces
         Give the graphs of shapes, their patches, or their samples, when they are matched.
     version
@@ -160,7 +160,12 @@ class Searcher:
             raise InvalidInput("conflict", "The query and the bank are of different index versions.", "Index it again.")
         allowed = np.array([name != exclude for name in self.ids])
         levels = pack_levels([query])
-        known = vectors_of(levels, whole_arrays([query])) if vector is None else vector.astype(np.float32)[None]
+        if partial:
+            known = np.zeros((1, VECTOR_DIMENSION), np.float32)  # a part is not compared by what it is as a whole
+        elif vector is None:
+            known = vectors_of(levels, whole_arrays([query]))
+        else:
+            known = vector.astype(np.float32)[None]
         packed = PackedGraphs(levels, known)
         weights: Mapping[str, float] = {"parts": 1.0}
         apart = np.full((len(self.ids), len(levels)), np.nan)
@@ -220,8 +225,8 @@ class Searcher:
     def _partial_scores(self, hypotheses: Sequence[Patches], allowed: NDArray[np.bool_]) -> Array:
         """Return what share of the query finds a patch of its kind in each shape, over all hypotheses of its size.
 
-        All shapes are looked at, because no vector tells of parts. A patch votes for shapes that have one nearer to it
-        than most shapes have: its distances are taken by its own local scale.
+        All shapes are looked at. A patch votes for shapes that have one nearer to it than most shapes have: its
+        distances are taken by its own local scale.
         """
         chosen = np.flatnonzero(allowed)
         others = self._lay_patches(chosen)

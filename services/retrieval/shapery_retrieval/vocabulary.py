@@ -34,6 +34,8 @@ class Vocabulary:
         Of the features of graph nodes, over parts weighted by area.
     patch_mean, patch_spread : (29,) float64
         Of the features of patches, weighted by area.
+    patch_words : (255, 29) float32, patch_reach : (255,) float64
+        Typical patches, standardised, and how far from each the twelfth nearest generated shape has its nearest one.
     cue_axes
         For each descriptor at the root its mean and its principal axes, of a length that makes the distance to the
         twelfth neighbour about the root of the cue's vote.
@@ -58,6 +60,8 @@ class Vocabulary:
     node_spread: NDArray[np.float64]
     patch_mean: NDArray[np.float64]
     patch_spread: NDArray[np.float64]
+    patch_words: NDArray[np.float32]
+    patch_reach: NDArray[np.float64]
     cue_axes: Mapping[str, tuple[NDArray[np.float32], NDArray[np.float32]]]
     landmarks: tuple[bytes, ...]
     landmark_mean: NDArray[np.float64]
@@ -84,6 +88,8 @@ def vocabulary() -> Vocabulary:
             node_spread=stored["node_spread"].astype(np.float64),
             patch_mean=stored["patch_mean"].astype(np.float64),
             patch_spread=stored["patch_spread"].astype(np.float64),
+            patch_words=stored["patch_words"].astype(np.float32),
+            patch_reach=stored["patch_reach"].astype(np.float64),
             cue_axes=MappingProxyType(
                 {
                     name: (stored[f"{name}.mean"].astype(np.float32), stored[f"{name}.axes"].astype(np.float32))

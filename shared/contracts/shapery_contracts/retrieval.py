@@ -13,7 +13,10 @@ INDEX_VERSION = 5
 with those of the version asked for, and a new version means indexing the stored meshes again."""
 
 VECTOR_DIMENSION = 256
-"""Length of the vector by which candidates are found; nearness is its Euclidean distance."""
+"""Length of the vectors by which candidates are found; nearness is their Euclidean distance."""
+
+By = Literal["whole", "parts"]
+"""Which of a shape's two vectors is meant: that of the whole, or that of the parts it holds."""
 
 DEFAULT_COLLECTION = "default"
 
@@ -83,7 +86,9 @@ class ShapeIndexResult(BaseModel):
 
     index_version: int
     vector: Annotated[list[float], Field(min_length=VECTOR_DIMENSION, max_length=VECTOR_DIMENSION)]
-    """By which candidates are found."""
+    """By which candidates are found for a whole."""
+    part_vector: Annotated[list[float], Field(min_length=VECTOR_DIMENSION, max_length=VECTOR_DIMENSION)]
+    """By which candidates are found for a part."""
     arg: str = "shape.arg"
     """Name of the artifact with the graph."""
     arg_bytes: int
@@ -185,14 +190,20 @@ class Candidate(NamedTuple):
     shape_id: str
     distance: float
     vector: bytes
-    """Its vector: `VECTOR_DIMENSION` little-endian 32-bit numbers."""
+    """Its vector by which it was found: `VECTOR_DIMENSION` little-endian 32-bit numbers."""
 
 
 class ShapeBank(Protocol):
     """What a search reads of the shape database. It shows one owner's shapes only."""
 
     def candidates(
-        self, vector: Sequence[float], limit: int, *, version: int = INDEX_VERSION, only: ShapeFilter | None = None
+        self,
+        vector: Sequence[float],
+        limit: int,
+        *,
+        version: int = INDEX_VERSION,
+        only: ShapeFilter | None = None,
+        by: By = "whole",
     ) -> Sequence[Candidate]:
         """Return the `limit` shapes of an index version nearest to `vector`, nearest first, ties by id."""
 

@@ -31,7 +31,7 @@ LARGEST_GRAPH = 16 << 20
 """Bytes of a graph that the bank takes; usual ones have some tens of kilobytes."""
 _LARGEST_NUMBER = 65504.0
 """The largest number of 16 bits, in which PostgreSQL keeps vectors."""
-_NOT_TOLD = {"vector", "arg", "arg_bytes", "index_version", "stages"}
+_NOT_TOLD = {"vector", "part_vector", "arg", "arg_bytes", "index_version", "stages"}
 """Parts of a result that a shape has in columns of its own, or that are about the job."""
 
 
@@ -55,8 +55,9 @@ def read_shape(job: ClaimedJob, result: Mapping[str, Any], output: Path) -> NewS
     if job.kind != "shape-index":
         return None
     checked = ShapeIndexResult.model_validate(result)
-    if not any(checked.vector) or not all(math.isfinite(x) and abs(x) <= _LARGEST_NUMBER for x in checked.vector):
-        raise ValueError("the vector of a shape must have finite numbers, not all of them zero")
+    for vector in (checked.vector, checked.part_vector):
+        if not any(vector) or not all(math.isfinite(x) and abs(x) <= _LARGEST_NUMBER for x in vector):
+            raise ValueError("the vectors of a shape must have finite numbers, not all of them zero")
     missing = [name for name in (checked.arg, *FILES) if not (output / name).is_file()]
     if missing:
         raise ValueError(f"the shape lacks its {', '.join(missing)}")
@@ -103,6 +104,7 @@ def succeed(
         "index_version": shape.result.index_version,
         "revision": revision,
         "vector": pack_vector(shape.result.vector),
+        "part_vector": pack_vector(shape.result.part_vector),
         "report": shape.result.model_dump(mode="json", exclude=_NOT_TOLD),
         "arg_sha256": hashlib.sha256(shape.graph).hexdigest(),
         "arg_size": len(shape.graph),

@@ -7,16 +7,18 @@ import socket
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import product
 from pathlib import Path
 from uuid import UUID, uuid4
 
 import pytest
-from sqlalchemy import text
+from sqlalchemy import text, update
 
-from shapery_contracts.retrieval import INDEX_VERSION, VECTOR_DIMENSION, ShapeBank, ShapeFilter
+from shapery_contracts.retrieval import INDEX_VERSION, VECTOR_DIMENSION, By, ShapeBank, ShapeFilter
 from shapery_contracts.shapes import ShapeUpdate
 from shapery_platform import shapes
 from shapery_platform.db import Database
+from shapery_platform.db.models import Shape
 from shapery_platform.storage import ObjectStore
 from shapery_worker.bank import Banks, VectorTable
 from shapery_worker.bank_line import BankClient, BankServer
@@ -24,8 +26,10 @@ from tests.integration.platform.conftest import Claim, Index
 from tests.support import shapes as fake
 
 
-def found(bank: ShapeBank, seed: int, limit: int = 100, only: ShapeFilter | None = None) -> list[tuple[str, float]]:
-    return [(near.shape_id, near.distance) for near in bank.candidates(fake.vector(seed), limit, only=only)]
+def found(
+    bank: ShapeBank, seed: int, limit: int = 100, only: ShapeFilter | None = None, by: By = "whole"
+) -> list[tuple[str, float]]:
+    return [(near.shape_id, near.distance) for near in bank.candidates(fake.vector(seed), limit, only=only, by=by)]
 
 
 def expected(ids: dict[str, int], seed: int, limit: int = 100) -> list[tuple[str, float]]:
@@ -51,10 +55,13 @@ def test_the_nearest_are_found_while_shapes_come_and_go(database: Database, inde
             seed = rng.randrange(1 << 24)
             there[str(index(seed))] = seed
         query = rng.randrange(1 << 24)
-        for bank in (banks.of("ann"), Banks(database).of("ann")):
-            seen = found(bank, query)
-            assert [shape_id for shape_id, _ in seen] == [shape_id for shape_id, _ in expected(there, query)]
-            assert [d for _, d in seen] == pytest.approx([d for _, d in expected(there, query)], abs=1e-6)
+        kinds: list[tuple[By, int]] = [("whole", query)]
+        if step > 10:  # what was never asked for is read then
+            kinds.append(("parts", query ^ 1))  # vectors of parts have the lowest digit turned over
+        for bank, (by, like) in product((banks.of("ann"), Banks(database).of("ann")), kinds):
+            seen = found(bank, query, by=by)
+            assert [shape_id for shape_id, _ in seen] == [shape_id for shape_id, _ in expected(there, like)]
+            assert [d for _, d in seen] == pytest.approx([d for _, d in expected(there, like)], abs=1e-6)
             assert {
                 shape_id: fake.seed_of(graph) for shape_id, graph in bank.args([*there, str(uuid4())]).items()
             } == there
@@ -78,6 +85,9 @@ def test_filters_and_owners(database: Database, index: Index) -> None:
     assert seeds("ann") == set(range(9))
     assert seeds("ann", collection="odd") == {1, 3, 5, 7}
     assert seeds("ann", collection="odd", labels={"third": "0"}) == {3}
+    odd = ShapeFilter(collection="odd")
+    assert found(banks.of("ann"), 2, 2, odd, "parts") == [(ann[3], 0.0), (ann[1], 1.0)]
+    assert found(banks.of("ann"), 2, 2, odd) == [(ann[3], 1.0), (ann[1], pytest.approx(2**0.5))]
     assert seeds("ann", collection="none") == set()
     assert seeds("bob") == {3}
     assert seeds("bob", collection="even") == set()
@@ -96,7 +106,13 @@ def test_versions_never_mix(database: Database, index: Index) -> None:
     assert list(banks.of("ann").args([old, new])) == [new]
     before = banks.of("ann").candidates(fake.vector(1), 9, version=INDEX_VERSION - 1)
     assert [candidate.shape_id for candidate in before] == [old]
+    with database.session() as session:  # shapes of former versions have no vector of parts
+        session.execute(update(Shape).where(Shape.id == UUID(old)).values(part_vector=None))
+    for bank in (banks.of("ann"), Banks(database).of("ann")):
+        assert bank.candidates(fake.vector(1), 9, version=INDEX_VERSION - 1, by="parts") == []
+        assert [candidate.shape_id for candidate in bank.candidates(fake.vector(1), 9, by="parts")] == [new]
     index(1, replaces=old)
+    assert {shape_id for shape_id, _ in found(banks.of("ann"), 1, by="parts")} == {old, new}
     assert {shape_id for shape_id, _ in found(banks.of("ann"), 1)} == {old, new}
     assert list(banks.of("ann").args([old])) == [old]
     assert banks.of("ann").candidates(fake.vector(1), 9, version=INDEX_VERSION - 1) == []
@@ -106,16 +122,21 @@ def test_versions_never_mix(database: Database, index: Index) -> None:
 def test_searches_run_beside_changes(
     database: Database, local_store: ObjectStore, index: Index, claim: Claim, tmp_path: Path
 ) -> None:
-    """What is there all the time is found all the time, with its graph, while others come and go."""
+    """What is there all the time is found all the time, with its graph, while others come and go and it is indexed
+    again."""
     steady = {str(index(seed)): seed for seed in range(1, 6)}
+    again = [(claim(seed, replaces=shape_id), seed) for shape_id, seed in steady.items()]
     coming = [claim(seed) for seed in range(100, 120)]
     faults: list[BaseException] = []
     done = threading.Event()
 
     def change() -> None:
         try:
-            for job in coming:
+            for number, job in enumerate(coming):
                 assert fake.publish(database, local_store, job, tmp_path / str(job.job_id), 1 << 20)
+                if number % 4 == 0:
+                    renewed, seed = again[number // 4]
+                    assert fake.publish(database, local_store, renewed, tmp_path / str(renewed.job_id), seed)
                 with database.session() as session:
                     (newest,), _ = shapes.list_shapes(session, "ann", None, 1)
                     shapes.delete(session, "ann", newest.id)
@@ -131,6 +152,7 @@ def test_searches_run_beside_changes(
     while not done.is_set() or searches < 3:
         bank = banks.of("ann")
         ids = [shape_id for shape_id, _ in found(bank, 3)]
+        assert steady.keys() <= {shape_id for shape_id, _ in found(bank, 3, by="parts")}
         graphs = bank.args(ids)
         assert steady.items() <= {shape_id: fake.seed_of(graph) for shape_id, graph in graphs.items()}.items()
         assert set(ids) - set(steady) == set() or len(set(ids) - set(steady)) == 1
@@ -168,6 +190,7 @@ def test_a_handler_reads_the_same_over_its_line(database: Database, index: Index
         assert found(client, 3) == found(bank, 3)
         odd = ShapeFilter(collection="odd")
         assert found(client, 3, 2, odd) == found(bank, 3, 2, odd)
+        assert found(client, 3, 2, odd, "parts") == found(bank, 3, 2, odd, "parts")
         assert client.candidates(fake.vector(3), 4) == bank.candidates(fake.vector(3), 4), "with their vectors"
         assert client.args([*there, str(uuid4())]) == bank.args(there)
         assert client.args([]) == {}
@@ -198,10 +221,10 @@ def test_the_index_of_neighbours_is_used(database: Database) -> None:
     with database.session() as session:
         session.execute(text("SET LOCAL enable_seqscan = off"))
         session.execute(text("SET LOCAL enable_sort = off"))
-        plan = session.execute(
-            text(f"EXPLAIN SELECT id FROM shapes WHERE owner = 'ann' ORDER BY vector <-> '{fake.vector(1)}' LIMIT 5")
-        ).scalars()
-        assert "ix_shapes_vector" in "\n".join(plan)
+        for column in ("vector", "part_vector"):
+            asked = f"WHERE owner = 'ann' AND {column} IS NOT NULL ORDER BY {column} <-> '{fake.vector(1)}' LIMIT 5"
+            plan = session.execute(text(f"EXPLAIN SELECT id FROM shapes {asked}")).scalars()
+            assert f"ix_shapes_{column}" in "\n".join(plan)
 
 
 def test_vectors_of_a_table_against_all_of_them() -> None:

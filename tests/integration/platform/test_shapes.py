@@ -110,9 +110,10 @@ def test_what_breaks_while_it_is_written_leaves_neither_shape_nor_end(
     [[0.0] * VECTOR_DIMENSION, [1e6] + [0.0] * (VECTOR_DIMENSION - 1), [float("inf")] * VECTOR_DIMENSION],
     ids=["zeros", "too large", "infinite"],
 )
-def test_a_vector_that_says_nothing_is_refused(claim: Claim, tmp_path: Path, vector: list[float]) -> None:
+@pytest.mark.parametrize("name", ["vector", "part_vector"])
+def test_a_vector_that_says_nothing_is_refused(claim: Claim, tmp_path: Path, name: str, vector: list[float]) -> None:
     fake.leave(tmp_path, 1)
-    said = fake.result(1).model_dump() | {"vector": vector}
+    said = fake.result(1).model_dump() | {name: vector}
     with pytest.raises(ValueError, match="vector"):
         publication.read_shape(claim(), said, tmp_path)
 

@@ -23,9 +23,11 @@ from shapery_contracts.retrieval import (
 )
 from shapery_geometry.mesh_io import read_mesh, write_mesh
 from shapery_retrieval.arg import Arg
+from shapery_retrieval.coverage import asked_of, coverage_of
 from shapery_retrieval.describe import Description
 from shapery_retrieval.job import ShapeIndexHandler, ShapeSearchHandler
 from shapery_retrieval.local import LocalBank
+from shapery_retrieval.patches import patches_of
 from shapery_retrieval.vector import vector_of
 
 from .conftest import egg, torus
@@ -87,6 +89,38 @@ def test_candidates_are_the_nearest_of_the_version(bank: LocalBank, described_eg
     assert bank.candidates(vector.tolist(), 5, version=99) == []
     with pytest.raises(InvalidInput, match="neither collections nor labels"):
         bank.candidates(vector.tolist(), 5, only=ShapeFilter(collection="x"))
+
+
+def test_candidates_for_a_part_are_those_that_cover_it(bank: LocalBank, described_torus: Description) -> None:
+    asked = asked_of([patches_of(described_torus.arg)])
+    found = bank.candidates(asked.tolist(), 5, by="parts")
+    assert [candidate.shape_id for candidate in found] == ["torus", "egg"]
+    covered = coverage_of(described_torus.arg)
+    assert found[0].distance == pytest.approx(np.linalg.norm(covered - asked), rel=1e-5)
+    np.testing.assert_array_equal(np.frombuffer(found[0].vector, "<f4"), covered.astype(np.float32))
+
+
+def test_a_bank_of_a_former_version_is_opened_and_its_shapes_are_left_out(
+    tmp_path: Path, described_egg: Description
+) -> None:
+    path = tmp_path / "former.db"
+    with LocalBank(path) as bank:
+        bank.put("egg", b"egg", described_egg.arg)
+        bank.put("other", b"other", described_egg.arg)
+    former = sqlite3.connect(path)
+    former.execute("ALTER TABLE shapes DROP COLUMN part_vector")
+    former.execute("UPDATE shapes SET index_version = index_version - 1")
+    former.commit()
+    former.close()
+    with LocalBank(path) as bank:
+        assert bank.outdated() == 2
+        assert bank.args(["egg"]) == {}
+        assert bank.candidates(coverage_of(described_egg.arg).tolist(), 5, by="parts") == []
+        assert not bank.holds("egg", b"egg")
+        bank.put("egg", b"egg", described_egg.arg)
+        assert bank.outdated() == 1
+        (found,) = bank.candidates(coverage_of(described_egg.arg).tolist(), 5, by="parts")
+        assert (found.shape_id, found.distance) == ("egg", pytest.approx(0, abs=1e-5))
 
 
 def test_other_files_are_no_banks(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ import pytest
 
 from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.repair import submesh
+from shapery_retrieval.coverage import WORDS, asked_of, coverage_of, covered_by
 from shapery_retrieval.describe import Description, describe
 from shapery_retrieval.patches import FEATURES, SHARES, Patches, closed_by_caps, nearest_patches, patches_of
 from shapery_retrieval.search import Searcher, parts_in, region_of
@@ -89,3 +90,30 @@ def test_a_region_keeps_its_patches_alone(described_egg: Description) -> None:
     assert set(region.whole["patch_parts"].tolist()) == kept
     assert len(region.whole["patch_masses"]) == len(region.whole["patch_features"]) < len(arg.whole["patch_masses"])
     assert float(nearest_patches(patches_of(region), [patches_of(arg)]).max()) < 1e-2
+
+
+def test_what_a_shape_covers_and_a_part_asks_for(
+    described_egg: Description, described_torus: Description, described_half: Description
+) -> None:
+    covered = covered_by([patches_of(described_egg.arg), patches_of(described_torus.arg)])
+    np.testing.assert_allclose(covered[0], coverage_of(described_egg.arg))
+    assert ((covered[:, :WORDS] >= 0) & (covered[:, :WORDS] <= 1)).all()
+    np.testing.assert_allclose(np.square(covered).sum(axis=1), WORDS)
+    hypotheses = described_half.hypotheses()
+    asked = asked_of(hypotheses)
+    assert asked[:WORDS].sum() == pytest.approx(1, abs=1e-5)
+    assert asked[WORDS] == 0
+    # so the nearest is what covers most of what is asked for
+    apart = np.square(covered - asked).sum(axis=1)
+    np.testing.assert_allclose(apart, asked @ asked + WORDS - 2 * covered @ asked)
+    assert apart[0] < apart[1], "half an egg is of an egg"
+    np.testing.assert_allclose(asked, np.mean([asked_of([one]) for one in hypotheses], axis=0), atol=1e-6)
+
+
+def test_of_each_word_the_nearest_patch_counts() -> None:
+    rng = np.random.default_rng(3)
+    many = Patches(np.full(40, 1 / 40, np.float32), rng.normal(size=(40, FEATURES)).astype(np.float32))
+    some = Patches(np.full(15, 1 / 15, np.float32), many.features[:15])
+    rest = Patches(np.full(25, 1 / 25, np.float32), many.features[15:])
+    whole, first, second = covered_by([many, some, rest])[:, :WORDS]
+    np.testing.assert_allclose(whole, np.maximum(first, second), atol=1e-6)

@@ -2228,6 +2228,8 @@ export interface components {
             levels: components["schemas"]["LevelSummary"][];
             /** Oriented */
             oriented: boolean;
+            /** Part Vector */
+            part_vector: number[];
             /** Stages */
             stages: components["schemas"]["IndexStage"][];
             /** Vector */

@@ -1,7 +1,7 @@
-"""``python -m shapery_retrieval.fitting words|vectors [SHAPES]``: generate shapes and fit the shipped vocabulary anew.
+"""``python -m shapery_retrieval.fitting words|vectors|parts [SHAPES]``: generate shapes and fit the vocabulary anew.
 
 First the words and spreads by which graphs are described; then, with these, the axes and landmarks by which graphs
-become vectors.
+become vectors, and the words by which a bank is scanned for wholes of a part.
 """
 
 from __future__ import annotations
@@ -13,33 +13,21 @@ from numpy.typing import NDArray
 
 from shapery_contracts.errors import InvalidInput
 from shapery_retrieval.arg import Arg
-from shapery_retrieval.decompose import decompose
+from shapery_retrieval.decompose import decompose, take_samples
 from shapery_retrieval.describe import build_arg
+from shapery_retrieval.fitting.k_means import k_means
+from shapery_retrieval.fitting.parts import WeightedFeatures, fit_parts
 from shapery_retrieval.fitting.shapes import generated_shape
 from shapery_retrieval.fitting.vectors import fit_vectors
 from shapery_retrieval.nodes import build_levels
 from shapery_retrieval.normalise import normalise
+from shapery_retrieval.patches import LocalSurface
 from shapery_retrieval.signals import compute_signals
 from shapery_retrieval.views import view_features
 from shapery_retrieval.vocabulary import FILE
 
 WAVE_WORDS, VIEW_WORDS, VIEW_AXES = 64, 1200, 48
 Array = NDArray[np.float64]
-
-
-def k_means(points: Array, count: int, rng: np.random.Generator, rounds: int = 12) -> Array:
-    """Lloyd's algorithm from a random start; words that nothing is near to begin anew at a random point."""
-    words = points[rng.choice(len(points), count, replace=False)].copy()
-    for _ in range(rounds):
-        nearest = np.concatenate(
-            [np.argmax(block @ words.T - 0.5 * (words**2).sum(axis=1), axis=1) for block in np.array_split(points, 64)]
-        )
-        counts = np.bincount(nearest, minlength=count)
-        sums = np.stack([np.bincount(nearest, column, count) for column in points.T], axis=1)
-        words = np.where(
-            counts[:, None] > 0, sums / np.maximum(counts, 1)[:, None], points[rng.integers(len(points), size=count)]
-        )
-    return np.asarray(words)
 
 
 def fit(shapes: int, rng: np.random.Generator) -> dict[str, NDArray[np.generic]]:
@@ -107,16 +95,32 @@ def generated_graphs(shapes: int, rng: np.random.Generator) -> list[Arg]:
     return args
 
 
-def main(stage: str, shapes: int) -> None:
-    """Fit one of the two stages and keep what the file has of the other."""
+def generated_patches(shapes: int, rng: np.random.Generator) -> list[WeightedFeatures]:
+    """Return weights and features of the patches of so many generated shapes."""
+    found: list[WeightedFeatures] = []
+    while len(found) < shapes:
+        mesh = generated_shape(rng)
+        if mesh is not None:
+            normalised = normalise(mesh)
+            signals = compute_signals(normalised)
+            found.append(LocalSurface(normalised, signals, take_samples(signals)).described(1.0))
+            print(f"\r{len(found)} of {shapes} shapes", end="", file=sys.stderr, flush=True)  # noqa: T201
+    print(file=sys.stderr)  # noqa: T201
+    return found
+
+
+def main(stage: str, shapes: int | None) -> None:
+    """Fit one of the stages and keep what the file has of the others."""
     with np.load(FILE, allow_pickle=False) as stored:
         arrays: dict[str, NDArray[np.generic]] = dict(stored)
     if stage == "words":
-        arrays |= fit(shapes, np.random.default_rng(2011))
+        arrays |= fit(shapes or 240, np.random.default_rng(2011))
+    elif stage == "vectors":
+        arrays |= fit_vectors(generated_graphs(shapes or 400, np.random.default_rng(101)), np.random.default_rng(7))
     else:
-        arrays |= fit_vectors(generated_graphs(shapes, np.random.default_rng(101)), np.random.default_rng(7))
+        arrays |= fit_parts(generated_patches(shapes or 200, np.random.default_rng(101)), np.random.default_rng(7))
     np.savez_compressed(FILE, allow_pickle=False, **arrays)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else {"words": 240, "vectors": 400}[sys.argv[1]])
+    main(sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else None)

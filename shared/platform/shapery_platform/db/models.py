@@ -350,6 +350,12 @@ class Shape(Base):
             postgresql_using="hnsw",
             postgresql_ops={"vector": "halfvec_l2_ops"},
         ).ddl_if(dialect="postgresql"),
+        Index(
+            "ix_shapes_part_vector",
+            "part_vector",
+            postgresql_using="hnsw",
+            postgresql_ops={"part_vector": "halfvec_l2_ops"},
+        ).ddl_if(dialect="postgresql"),
     )
 
     id: Mapped[UUID] = mapped_column(primary_key=True, default=new_id)
@@ -371,6 +377,8 @@ class Shape(Base):
     arg_size: Mapped[int] = mapped_column(Integer)
     created_at: Mapped[datetime] = mapped_column(default=utc_now)
     indexed_at: Mapped[datetime] = mapped_column(default=utc_now)
+    part_vector: Mapped[bytes | None] = mapped_column(Vector(VECTOR_DIMENSION), deferred=True)
+    """None for shapes of index versions that had none."""
 
     collection: Mapped[Collection] = relationship(lazy="joined", innerjoin=True, viewonly=True)
     labels: Mapped[list[ShapeLabel]] = relationship(lazy="selectin", order_by="ShapeLabel.name", viewonly=True)

@@ -10,12 +10,13 @@ from uuid import UUID
 from sqlalchemy import Float, Row, bindparam, func, select, text
 from sqlalchemy.orm import Session
 
-from shapery_contracts.retrieval import VECTOR_DIMENSION
+from shapery_contracts.retrieval import VECTOR_DIMENSION, By
 from shapery_platform.db.models import Bank, Collection, Shape, ShapeGraph
 from shapery_platform.db.repositories.shapes import narrowed
 from shapery_platform.db.types import SentHalfVector, Vector
 
 _AT_ONCE = 500
+_COLUMNS: dict[By, Any] = {"whole": Shape.vector, "parts": Shape.part_vector}
 
 
 def state(session: Session, owner: str) -> tuple[int, int]:
@@ -24,11 +25,12 @@ def state(session: Session, owner: str) -> tuple[int, int]:
     return (0, 0) if row is None else (row.revision, row.removals)
 
 
-def vectors_after(session: Session, owner: str, revision: int) -> Iterator[Row[tuple[UUID, int, bytes]]]:
-    """Iterate over id, index version and vector of shapes that changed after a revision."""
+def vectors_after(session: Session, owner: str, revision: int, by: By) -> Iterator[Row[tuple[UUID, int, bytes | None]]]:
+    """Iterate over id, index version and ``vector`` of shapes that changed after a revision."""
+    column: Any = _COLUMNS[by]
     return iter(
         session.execute(
-            select(Shape.id, Shape.index_version, Shape.vector)
+            select(Shape.id, Shape.index_version, column.label("vector"))
             .where(Shape.owner == owner, Shape.revision > revision)
             .order_by(Shape.revision)
             .execution_options(yield_per=5000)
@@ -54,6 +56,7 @@ def nearest(
     limit: int,
     collection: str | None,
     labels: Mapping[str, str],
+    by: By,
 ) -> Sequence[Row[tuple[UUID, float, bytes]]]:
     """Return ids, distances and vectors of the shapes nearest to a vector; PostgreSQL alone can tell.
 
@@ -62,11 +65,17 @@ def nearest(
     session.execute(text("SET LOCAL hnsw.iterative_scan = strict_order"))
     session.execute(text(f"SET LOCAL hnsw.ef_search = {min(1000, max(100, 2 * limit)):d}"))
     query = bindparam("vector", vector, type_=Vector(VECTOR_DIMENSION))
-    sent = func.halfvec_send(Shape.vector, type_=SentHalfVector())
-    distance: Any = Shape.vector.op("<->", return_type=Float())(query)
+    column: Any = _COLUMNS[by]
+    sent = func.halfvec_send(column, type_=SentHalfVector())
+    distance: Any = column.op("<->", return_type=Float())(query)
     return session.execute(
         select(Shape.id, distance.label("distance"), sent.label("vector"))
-        .where(Shape.owner == owner, Shape.index_version == version, *_conditions(collection, labels))
+        .where(
+            Shape.owner == owner,
+            Shape.index_version == version,
+            column.is_not(None),
+            *_conditions(collection, labels),
+        )
         .order_by(distance)
         .limit(limit)
     ).all()
