@@ -53,8 +53,8 @@ class Grown:
         self._spread = NOISE * vectors.std(axis=0)
         digest = hashlib.sha256(b"".join(arg.to_bytes() for arg in args))
         digest.update(vectors.tobytes())
-        self._folder = CACHE / f"grown-{digest.hexdigest()[:16]}"
-        self._folder.mkdir(parents=True, exist_ok=True)
+        self.folder = CACHE / f"grown-{digest.hexdigest()[:16]}"
+        self.folder.mkdir(parents=True, exist_ok=True)
         self._size = size
         count = min(size, MOST_GRAPHS)
         chunks = [self._chunk(number) for number in range(-(-count // CHUNK))]
@@ -88,7 +88,7 @@ class Grown:
         return np.random.default_rng([13, number]).integers(len(self._args), size=CHUNK)
 
     def _chunk(self, number: int) -> tuple[list[dict[str, Any]], NDArray[np.float32]]:
-        path = self._folder / f"{number}.npz"
+        path = self.folder / f"{number}.npz"
         if not path.exists():
             levels, vectors = self._between(self.starts(number), np.random.default_rng([11, number]))
             arrays = {f"{name}{k}": getattr(level, name) for k, level in enumerate(levels) for name in NAMES}
@@ -137,7 +137,7 @@ def growth(args: Sequence[Arg], sizes: Sequence[int], queries: int = QUERIES) ->
     known = [vectors_of(pack_levels([query]), whole_arrays([query]))[0] for query in asked]
     bank, rows = Grown(args, max(sizes)), []
     for size in sizes:
-        path = bank._folder / f"row-{size}-{queries}.json"
+        path = bank.folder / f"row-{size}-{queries}.json"
         if not path.exists():
             row = _measured(bank, size, asked, known)
             path.write_text(json.dumps(row))
