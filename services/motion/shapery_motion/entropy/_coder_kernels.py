@@ -59,9 +59,10 @@ def _stretch_table() -> NDArray[np.int64]:
     return np.searchsorted(_squash_table(), np.arange(4096) * 16 + 8) - 2048
 
 
-SQUASH: Final = _squash_table()
-STRETCH: Final = np.minimum(_stretch_table(), 2047)
-RATES: Final = np.array([65536 * 2 // (2 * n + 3) for n in range(RATE_LIMIT + 1)], dtype=np.int64)
+# Tables and probabilities are kept small, so that they stay in the processor's cache; kernels widen them at once.
+SQUASH: Final = _squash_table().astype(np.int32)
+STRETCH: Final = np.minimum(_stretch_table(), 2047).astype(np.int16)
+RATES: Final = np.array([65536 * 2 // (2 * n + 3) for n in range(RATE_LIMIT + 1)], dtype=np.int32)
 """Share, in 1/65536, by which a probability that has seen n bits moves towards the next."""
 
 
@@ -125,7 +126,7 @@ def finish(state, buffer):
 @inlined
 def code_adaptive(state, buffer, probabilities, hits, slot, bit):
     """Code a bit by the adaptive probability in a slot alone."""
-    p = probabilities[slot]
+    p = np.int64(probabilities[slot])
     bit = code_bit(state, buffer, min(max(p, 32), 65504), bit)
     adapt(probabilities, hits, slot, bit)
     return bit
@@ -134,8 +135,8 @@ def code_adaptive(state, buffer, probabilities, hits, slot, bit):
 @inlined
 def adapt(probabilities, hits, slot, bit):
     """Move the probability in a slot towards a bit."""
-    n = hits[slot]
-    p = probabilities[slot]
+    n = np.int64(hits[slot])
+    p = np.int64(probabilities[slot])
     probabilities[slot] = p + ((((65535 if bit else 0) - p) * RATES[n]) >> 16)
     if n < RATE_LIMIT:
         hits[slot] = n + 1
@@ -146,11 +147,11 @@ def mixed(probabilities, slots, offset, weights, row, other, logits):
     """Return the probability that the contexts predict together; their logits are left in `logits`."""
     total = (weights[row, CONTEXTS] + weights[other, CONTEXTS]) * BIAS
     for k in range(CONTEXTS):
-        logit = STRETCH[probabilities[slots[k] + offset] >> 4]
+        logit = np.int64(STRETCH[np.int64(probabilities[slots[k] + offset]) >> 4])
         logits[k] = logit
         total += (weights[row, k] + weights[other, k]) * logit
     x = min(max(total >> 16, -2048), 2047)
-    return min(max(SQUASH[x + 2048], 32), 65504)
+    return min(max(np.int64(SQUASH[x + 2048]), 32), 65504)
 
 
 @inner

@@ -43,9 +43,9 @@ class Stream:
     def __init__(
         self, slots: int, rows: int = 1, *, data: memoryview | None = None, room: int = 1 << 16, pace: int = PACE
     ) -> None:
-        self.probabilities: IntArray = np.full(slots, 32768, dtype=np.int64)
-        self.hits: IntArray = np.zeros(slots, dtype=np.int64)
-        self.weights: IntArray = np.full((rows, coder.CONTEXTS + 1), 65536 * 1 // 10, dtype=np.int64)
+        self.probabilities = np.full(slots, 32768, dtype=np.uint16)
+        self.hits = np.zeros(slots, dtype=np.uint8)
+        self.weights = np.full((rows, coder.CONTEXTS + 1), 65536 * 1 // 10, dtype=np.int32)
         self.weights[:, coder.CONTEXTS] = 0
         self.state: IntArray = np.zeros(6, dtype=np.int64)
         self.state[coder.PACE] = pace

@@ -17,11 +17,16 @@ IntArray = NDArray[np.int64]
 
 REDUCED: Final = 100
 """Dimensions in which trajectories are compared."""
+COARSE: Final = 40
+"""Dimensions in which they are while clusters have few modes."""
 MANY: Final = (64, 112)
 FEW: Final = (24,)
 """Numbers of clusters from which merging starts, when there is time and when there is none."""
 NEAR: Final = 12
 """With how many others, to which it is nearest, a cluster may merge."""
+LAST_COHERENCE: Final = 1.0
+LAST_ROUNDS: Final = 8
+"""How vertices are moved once modes are known to cost something."""
 DIMENSIONS: Final = 5
 """Modes of a cluster, beside its mean, before it is known how many pay."""
 BIT: Final = 2.0 * np.log(2.0) / 12.0
@@ -113,30 +118,40 @@ class Spectra:
         self._grams = [points[labels == label].T @ points[labels == label] for label in range(int(labels.max()) + 1)]
         self._sums = np.array([points[labels == label].sum(axis=0) for label in range(int(labels.max()) + 1)])
         self._sizes = np.bincount(labels)
+        self._moments: dict[frozenset[int], tuple[FloatArray, FloatArray, int]] = {}
         self._known: dict[frozenset[int], tuple[FloatArray, float]] = {}
 
     def __len__(self) -> int:
         return len(self._grams)
 
-    def loss(self, parts: frozenset[int], worth: Worth) -> float:
-        """Return the loss of the union of some clusters."""
-        some = sorted(parts)
-        count = int(self._sizes[some].sum())
+    def loss(self, union: frozenset[int], other: frozenset[int], worth: Worth) -> float:
+        """Return the loss of two unions of clusters together; the other one may be empty."""
+        parts = union | other
         if parts not in self._known:
-            total = self._sums[some].sum(axis=0)
-            gram = np.sum([self._grams[part] for part in some], axis=0) - np.outer(total, total) / count
-            self._known[parts] = np.maximum(np.linalg.eigvalsh(gram)[::-1], 0.0), float(total @ total) / count
+            (gram, total, count), (more, rest, others) = self._moments_of(union), self._moments_of(other)
+            gram, total, count = gram + more, total + rest, count + others
+            energies = np.linalg.eigvalsh(gram - np.outer(total, total) / count)[::-1]
+            self._known[parts] = np.maximum(energies, 0.0), float(total @ total) / count
         energies, middle = self._known[parts]
-        return worth.of_modes(energies, count)[0] + worth.of_mean(middle)
+        return worth.of_modes(energies, int(self._sizes[list(parts)].sum()))[0] + worth.of_mean(middle)
+
+    def _moments_of(self, parts: frozenset[int]) -> tuple[FloatArray, FloatArray, int]:
+        if parts not in self._moments:
+            some = sorted(parts)
+            gram = np.zeros_like(self._grams[0])
+            for part in some:
+                gram += self._grams[part]
+            self._moments[parts] = gram, self._sums[some].sum(axis=0), int(self._sizes[some].sum())
+        return self._moments[parts]
 
     def near(self) -> dict[int, set[int]]:
         """Return for each part the others that lie nearest to the space of its strongest modes, or it to theirs."""
+        grams = np.stack(self._grams)
+        traces = np.trace(grams, axis1=1, axis2=2)
         away = np.empty((len(self), len(self)))
-        for part, gram in enumerate(self._grams):
+        for part, gram in enumerate(grams):
             modes = np.linalg.eigh(gram)[1][:, ::-1][:, :DIMENSIONS]
-            for other, beside in enumerate(self._grams):
-                inside = float(((beside @ modes) * modes).sum())
-                away[part, other] = (float(np.trace(beside)) - inside) / self._sizes[other]
+            away[part] = (traces - ((grams @ modes) * modes).sum(axis=(1, 2))) / self._sizes
         result: dict[int, set[int]] = {part: set() for part in range(len(self))}
         for part, order in enumerate(np.argsort(np.minimum(away, away.T), axis=1, kind="stable").tolist()):
             for other in [other for other in order if other != part][:NEAR]:
@@ -148,11 +163,11 @@ class Spectra:
 def merge(spectra: Spectra, worth: Worth) -> IntArray:
     """Join near clusters two by two as long as that lowers the loss, the most profitable first; return the labels."""
     unions = {part: frozenset({part}) for part in range(len(spectra))}
-    losses = {part: spectra.loss(union, worth) for part, union in unions.items()}
+    losses = {part: spectra.loss(union, frozenset(), worth) for part, union in unions.items()}
     near = spectra.near()
 
     def gain(a: int, b: int) -> float:
-        return losses[a] + losses[b] - spectra.loss(unions[a] | unions[b], worth)
+        return losses[a] + losses[b] - spectra.loss(unions[a], unions[b], worth)
 
     gains = {(a, b): gain(a, b) for a in unions for b in near[a] if a < b}
     while gains:
@@ -160,7 +175,7 @@ def merge(spectra: Spectra, worth: Worth) -> IntArray:
         if best <= 0.0:
             break
         unions[a] |= unions.pop(b)
-        losses[a] = spectra.loss(unions[a], worth)
+        losses[a] = spectra.loss(unions[a], frozenset(), worth)
         near[a] = (near[a] | near.pop(b)) - {a, b}
         for c in near[a]:
             near[c] = (near[c] - {b}) | {a}
@@ -288,16 +303,23 @@ def find_clusters(
     if starts == [1]:
         return [np.zeros(n, dtype=np.int64)]
     points = reduced(trajectories.reshape(n, -1)) / step
+    coarse = np.ascontiguousarray(points[:, :COARSE])
     found: list[IntArray] = []
     for start in starts:
-        labels = regroup(points, graph, spread_out(points, start), coherence=200.0, rounds=6 if thorough else 3)
+        labels = regroup(coarse, graph, spread_out(coarse, start), coherence=200.0, rounds=6 if thorough else 3)
         if count is not None:
             return [labels]
         spectra = Spectra(points, labels)
         for worth in worths:
             merged = merge(spectra, worth)
             if thorough:
-                merged = regroup(points, graph, merged, coherence=1.0, rounds=8, worth=worth)
+                merged = regroup(points, graph, merged, coherence=LAST_COHERENCE, rounds=LAST_ROUNDS, worth=worth)
             if not any(np.array_equal(merged, other) for other in found):
                 found.append(merged)
     return found
+
+
+def refined(trajectories: FloatArray, graph: VertexGraph, step: float, labels: IntArray, worth: Worth) -> IntArray:
+    """Return clusters after their vertices were moved by what modes cost: see `find_clusters`."""
+    points = reduced(trajectories.reshape(len(trajectories), -1)) / step
+    return regroup(points, graph, labels, coherence=LAST_COHERENCE, rounds=LAST_ROUNDS, worth=worth)

@@ -32,12 +32,14 @@ DEPENDENT_PAYING: Final = 13.5
 """Squared steps, divided by the squared error of a number, above which a mode's numbers may pay."""
 GRID: Final = 4
 """Frames between places where a run may begin, or a multiple of it in long groups."""
-PLACES: Final = 32
-"""How many such places are compared in all ways at the most."""
-MODES: Final = 16
-"""By how many modes they are compared."""
-RUN_BITS: Final = 8.0
-"""What a further run costs by itself."""
+PLACES: Final = (32, 64)
+"""How many such places are compared in all ways at the most, when there is little time and when there is enough."""
+MODES: Final = (16, 64)
+"""By how many modes they are compared, likewise."""
+RUN_BITS: Final = (8.0, 20.0)
+"""What a further run costs by itself, likewise."""
+ROUNDS: Final = 4
+"""How often cuts are moved to where they cost least, at the most."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +124,7 @@ def prepare(
     step
         About the step that will be used.
     thorough
-        Whether to take time for the runs.
+        Whether to take time for the runs: these are then the last.
     """
     n, frames, _ = trajectories.shape
     scratch = np.full(n, -1, dtype=np.int64)
@@ -150,11 +152,11 @@ def prepare(
 def best_cuts(amplitudes: FloatArray, *, thorough: bool) -> IntArray:
     """Return where runs should begin, so that the cosine coefficients of (F, r, 3) functions, in steps, cost least.
 
-    All ways to cut on a coarse grid are compared (dynamic programming). If `thorough`, runs are then split further on
-    a finer one as long as that pays, and cuts are moved to where they cost least.
+    All ways to cut on a coarse grid are compared (dynamic programming), runs are split further as long as that pays,
+    and cuts are moved to where they cost least. If `thorough`, by more modes, on a finer grid, and to the very frame.
     """
     frames = len(amplitudes)
-    values = np.ascontiguousarray(amplitudes[:, :MODES].reshape(frames, -1))
+    values = np.ascontiguousarray(amplitudes[:, : MODES[thorough]].reshape(frames, -1))
     if values.size == 0 or frames < 2 * GRID:
         return np.array([0, frames], dtype=np.int64)
     known: dict[tuple[int, int], float] = {}
@@ -162,12 +164,15 @@ def best_cuts(amplitudes: FloatArray, *, thorough: bool) -> IntArray:
     def cost(first: int, stop: int) -> float:
         if (first, stop) not in known:
             run = dct(values[first:stop], axis=0, norm="ortho")
-            known[first, stop] = RUN_BITS + float(np.log2(1.0 + 2.0 * np.abs(run)).sum())
+            known[first, stop] = RUN_BITS[thorough] + float(np.log2(1.0 + 2.0 * np.abs(run)).sum())
         return known[first, stop]
 
-    cuts = _cuts_on_grid(cost, frames, GRID * -(-frames // (GRID * PLACES)))
-    if thorough:
-        cuts = _moved(cost, _split(cost, cuts))
+    cuts = _split(cost, _cuts_on_grid(cost, frames, GRID * -(-frames // (GRID * PLACES[thorough]))))
+    for _ in range(ROUNDS if thorough else 1):
+        moved = _moved(cost, cuts, 1 if thorough else 2)
+        if moved == cuts:
+            break
+        cuts = moved
     return np.array(cuts, dtype=np.int64)
 
 
@@ -203,10 +208,12 @@ def _split(cost: Callable[[int, int], float], cuts: list[int]) -> list[int]:
     return sorted(done)
 
 
-def _moved(cost: Callable[[int, int], float], cuts: list[int]) -> list[int]:
+def _moved(cost: Callable[[int, int], float], cuts: list[int], by: int) -> list[int]:
+    """Move each cut to where it costs least between those beside it, by a multiple of some frames."""
+    cuts = cuts.copy()
     for k in range(1, len(cuts) - 1):
         first, stop = cuts[k - 1], cuts[k + 1]
-        near = range(max(first + 2, cuts[k] - 2 * GRID), min(stop - 1, cuts[k] + 2 * GRID + 1), 2)
+        near = range(max(first + 2, cuts[k] - 2 * GRID), min(stop - 1, cuts[k] + 2 * GRID + 1), by)
         cuts[k] = min([cuts[k], *near], key=lambda at: cost(first, at) + cost(at, stop))
     return cuts
 

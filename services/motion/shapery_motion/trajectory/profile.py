@@ -16,7 +16,7 @@ from shapery_motion.graph import VertexGraph
 from shapery_motion.profiles import EncodedGroup, GroupTask
 from shapery_motion.trajectory import _frame_kernels as kernels
 from shapery_motion.trajectory.borders import Border, DecodedCluster, in_rows, numbers_within
-from shapery_motion.trajectory.clustering import FEW, MANY, SHARE, Worth, find_clusters, share_of
+from shapery_motion.trajectory.clustering import FEW, MANY, SHARE, Worth, find_clusters, refined, share_of
 from shapery_motion.trajectory.encoding import LARGEST, Cluster, Encoded, encode_at, prepare
 from shapery_motion.trajectory.model import (
     BASES,
@@ -57,8 +57,15 @@ LONG: Final = 64
 """Frames from which on it is worth the time to seek clusters from a second start."""
 COARSENED: Final = 1.08
 """By how much the step may grow, about, when quantisation becomes dependent."""
-PASSES: Final = 7
-NEAR: Final = 0.998
+PASSES: Final = 5
+"""Trials after which the search for the step ends with the best that keeps the bound: with dependent quantisation
+errors are no smooth function of the step, and differ by half a percent between steps next to each other."""
+REFINED: Final = 2
+"""How often clusters are moved by what their modes cost, at the most."""
+MOST_PASSES: Final = 12
+APART: Final = 0.01
+"""Logarithms of steps that lie apart enough to tell how the error grows."""
+NEAR: Final = 0.997
 NEAR_ENOUGH: Final = 0.97
 """Share of the allowed squared error that is used up at least before the search for the step ends, when there is time
 and when there is none."""
@@ -89,34 +96,20 @@ def encode_group(task: GroupTask) -> EncodedGroup:
     many = (MANY if len(moving) >= LONG else MANY[:1]) if thorough else FEW
     ways = find_clusters(trajectories, graph, step, worths, count=task.clusters, many=many)
     task.on_progress(0.2)
-    least = math.inf
-    clusters: list[Cluster] = []
-    known: Encoded | None = None
-    for number, way in enumerate(ways):
-        task.check_cancelled()
-        prepared = prepare(trajectories, graph, way, step, thorough=True)
-        if len(ways) > 1:
-            made = encode_at(prepared, graph, step, offset=offset, sources=sources)
-            # sizes at equal errors, as far as rates follow a power of the error
-            size = made.size * (made.squared_error / target) ** SLOPE
-            if size >= least:
-                continue
-            least, known = size, made
-        clusters = prepared
-        task.on_progress(0.2 + 0.2 * (number + 1) / len(ways))
-    task.on_progress(0.4)
+    labels = ways[0]
     if thorough:
-        # dependent quantisation errs less at the same step
-        step *= COARSENED * ((target / known.squared_error) ** (1.0 / 1.8) if known else 1.0)
-        known = None
+        labels, step = choose_way(trajectories, graph, step, ways, target, task, offset=offset, sources=sources)
+    clusters = prepare(trajectories, graph, labels, step, thorough=thorough)
+    task.on_progress(0.4)
     near = NEAR if thorough else NEAR_ENOUGH
     best: Encoded | None = None
     low, high = 0.0, math.inf
     slope, tried = 1.8, (0.0, 0.0)
-    for number in range(PASSES):
+    for number in range(MOST_PASSES):
+        if number >= PASSES and best:
+            break
         task.check_cancelled()
-        made = known or encode_at(clusters, graph, step, offset=offset, sources=sources, dependent=thorough)
-        known = None
+        made = encode_at(clusters, graph, step, offset=offset, sources=sources, dependent=thorough)
         ratio = made.squared_error / target
         if ratio <= 1.0:
             if best is None or made.size < best.size:
@@ -126,20 +119,22 @@ def encode_group(task: GroupTask) -> EncodedGroup:
                 break
         else:
             high = min(high, step)
-        # the error grows with a power of the step, about; two trials tell which
+        # the error grows with a power of the step, about; two trials tell which if they lie apart
         here = (math.log(step), math.log(max(ratio, 1e-9)))
-        if number and here[0] != tried[0]:
+        if number and abs(here[0] - tried[0]) > APART:
             slope = min(max((here[1] - tried[1]) / (here[0] - tried[0]), 0.7), 2.5)
         tried = here
-        guess = step * ((0.5 + 0.5 * near) / max(ratio, 1e-9)) ** (1.0 / slope)
+        aim = 0.5 * (1.0 + near) - (0.0 if best else 0.001 * number)
+        guess = step * (aim / max(ratio, 1e-9)) ** (1.0 / slope)
         step = guess if low < guess < high else math.sqrt(max(low, guess / 4) * min(high, guess * 4))
-        task.on_progress(0.4 + 0.6 * (number + 1) / PASSES)
+        task.on_progress(min(1.0, 0.4 + 0.6 * (number + 1) / PASSES))
     if best is None:
         raise InvalidInput("invalid_params", "The bound is too fine: it could not be met.", "Allow a larger error.")
     points = [(best.squared_error + lost, best.size)]
     for coarser in COARSER if thorough else ONE_COARSER:
         task.check_cancelled()
-        made = encode_at(clusters, graph, best.step * coarser, offset=offset, sources=sources, dependent=thorough)
+        # plain quantisation takes a few percent more room and a third of the time
+        made = encode_at(clusters, graph, best.step * coarser, offset=offset, sources=sources)
         points.append((made.squared_error + lost, made.size))
     return EncodedGroup(
         sections=best.sections,
@@ -148,6 +143,54 @@ def encode_group(task: GroupTask) -> EncodedGroup:
         points=tuple(points),
         part_names=PART_NAMES,
     )
+
+
+def choose_way(
+    trajectories: FloatArray,
+    graph: VertexGraph,
+    step: float,
+    ways: list[NDArray[np.int64]],
+    target: float,
+    task: GroupTask,
+    *,
+    offset: FloatArray,
+    sources: NDArray[np.int64],
+) -> tuple[NDArray[np.int64], float]:
+    """Return the clusters of those that were found with which a quick encoding is smallest, and the step to go on with.
+
+    The best ones' vertices are moved by what modes cost in that encoding, as long as that makes it smaller.
+    """
+    least, labels, best_step = math.inf, ways[0], step
+    worth: Worth | None = None
+
+    def tried(way: NDArray[np.int64]) -> bool:
+        """Encode, and keep what is the smallest so far."""
+        nonlocal least, labels, best_step, worth
+        task.check_cancelled()
+        prepared = prepare(trajectories, graph, way, step, thorough=False)
+        made = encode_at(prepared, graph, step, offset=offset, sources=sources)
+        # sizes at equal errors, as far as rates follow a power of the error
+        size = made.size * (made.squared_error / target) ** SLOPE
+        if size >= least:
+            return False
+        least, labels, worth = size, way, worth_of(prepared, made)
+        # dependent quantisation errs less at the same step
+        best_step = step * COARSENED * nearer(target, made.squared_error)
+        return True
+
+    for number, way in enumerate(ways):
+        tried(way)
+        task.on_progress(0.2 + 0.15 * (number + 1) / len(ways))
+    for _ in range(REFINED if task.clusters is None else 0):
+        way = refined(trajectories, graph, step, labels, worth) if worth else labels
+        if np.array_equal(way, labels) or not tried(way):
+            break
+    return labels, best_step
+
+
+def nearer(target: float, found: float) -> float:
+    """Return by what a step should be multiplied for another squared error than the one that was found, about."""
+    return min(max(math.pow(target / max(found, 1e-300), 1.0 / 1.8), 0.2), 5.0)
 
 
 def quick_look(
@@ -166,7 +209,7 @@ def quick_look(
         clusters = prepare(trajectories, graph, labels, step, thorough=False)
         made = encode_at(clusters, graph, step, offset=offset, sources=sources)
         worth = worth_of(clusters, made)
-        step *= min(max((target / max(made.squared_error, 1e-300)) ** (1.0 / 1.8), 0.2), 5.0)
+        step *= nearer(target, made.squared_error)
     return step, [worth, *(Worth(worth.frames, worth.in_space * k, worth.in_time * k) for k in OTHERS)]
 
 

@@ -20,7 +20,7 @@ IntArray = NDArray[np.int64]
 
 DEPENDENT_PACE: Final = 12
 """How fast the mixer learns in the streams of dependent quantisation."""
-COSTS: Final[FloatArray] = np.array([-np.log2(max(k, 0.5) / 4096) for k in range(4097)])
+COSTS: Final = np.array([-np.log2(max(k, 0.5) / 4096) for k in range(4097)], dtype=np.float32)
 """Bits of a decision by its probability in 1/4096, for estimates."""
 _NO_TARGETS: Final[FloatArray] = np.zeros((0, 0))
 _EMPTY: Final[FloatArray] = np.zeros((0, 0, 0))
