@@ -62,6 +62,8 @@ PASSES: Final = 5
 errors are no smooth function of the step, and differ by half a percent between steps next to each other."""
 REFINED: Final = 2
 """How often clusters are moved by what their modes cost, at the most."""
+SETTLED: Final = 0.99
+"""Share of the allowed squared error that is used up at least then."""
 MOST_PASSES: Final = 12
 APART: Final = 0.01
 """Logarithms of steps that lie apart enough to tell how the error grows."""
@@ -106,7 +108,7 @@ def encode_group(task: GroupTask) -> EncodedGroup:
     low, high = 0.0, math.inf
     slope, tried = 1.8, (0.0, 0.0)
     for number in range(MOST_PASSES):
-        if number >= PASSES and best:
+        if number >= PASSES and best and best.squared_error >= min(near, SETTLED) * target:
             break
         task.check_cancelled()
         made = encode_at(clusters, graph, step, offset=offset, sources=sources, dependent=thorough)
