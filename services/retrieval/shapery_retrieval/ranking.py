@@ -133,8 +133,9 @@ def diffuse(scores: Array) -> Array:
     -------
     (n, n) symmetric, in [0, 1]
         (I − 0.9 N)⁻¹, normalised by its diagonal, where N is the normalised graph of mutual neighbours; one-sided ones
-        count a tenth. How many neighbours an item has follows the density around it: those whose strength, the cube of
-        the score, is a share of that of the nearest three, at most `MOST_NEIGHBOURS`.
+        count a tenth. How many neighbours an item has follows the density around it: of the nearest `MOST_NEIGHBOURS`
+        each counts v²/(v² + s²), where v is its strength, the cube of the score, and s a share of that of the nearest
+        three. With a threshold instead, scores that change by a hundredth would join or part whole classes.
     """
     n = len(scores)
     if n < 4:
@@ -143,10 +144,10 @@ def diffuse(scores: Array) -> Array:
     np.fill_diagonal(strength, 0.0)
     order = np.argsort(-strength, axis=1, kind="stable")[:, : min(MOST_NEIGHBOURS, n - 1)]
     values = np.take_along_axis(strength, order, axis=1)
-    near = values > NEIGHBOUR_SHARE * values[:, :3].mean(axis=1, keepdims=True)
-    chosen = np.zeros((n, n), dtype=bool)
-    np.put_along_axis(chosen, order, near, axis=1)
-    graph = strength * np.where(chosen & chosen.T, 1.0, np.where(chosen | chosen.T, ONE_SIDED, 0.0))
+    share = NEIGHBOUR_SHARE * values[:, :3].mean(axis=1, keepdims=True)
+    near = np.zeros((n, n))
+    np.put_along_axis(near, order, values**2 / np.maximum(values**2 + share**2, 1e-300), axis=1)
+    graph = strength * ((1 - ONE_SIDED) * np.minimum(near, near.T) + ONE_SIDED * np.maximum(near, near.T))
     degrees = np.maximum(graph.sum(axis=1), 1e-12)
     flow = np.linalg.inv(np.eye(n) - DAMPING * graph / np.sqrt(np.outer(degrees, degrees)))
     root = np.sqrt(np.diag(flow))
