@@ -147,7 +147,7 @@ def measure(folder: Path, shapes: int, searches: int, home: Path) -> dict[str, A
         memory = process.memory_info().rss
     return {
         "shapes": len(ids),
-        "refused": batch.total - batch.counts.get(JobState.SUCCEEDED, 0),
+        "refused": batch.counts.get(JobState.FAILED, 0),
         "processors": os.cpu_count(),
         "load": round(os.getloadavg()[0], 1),
         "indexing_s_per_mesh": round(indexing, 3),
