@@ -280,6 +280,18 @@ def _allowed(faces, head, following, rim, seen, count, a, b):
 
 
 @inner
+def _shared(faces, head, following, a, b):
+    """Return how many faces an edge has."""
+    result, corner = 0, head[a]
+    while corner >= 0:
+        f = corner // 3
+        if b in (faces[f, 0], faces[f, 1], faces[f, 2]):
+            result += 1
+        corner = following[corner]
+    return result
+
+
+@inner
 def _turns_over(points, faces, head, following, a, b, x, y, z):
     """Whether a face of `a` that `b` is no corner of turns too far or becomes a needle when `a` moves to a place."""
     corner = head[a]
@@ -369,7 +381,11 @@ def collapse(points, faces, quadrics, rim, edges, target, keep_topology, alive):
             continue
         _prune(head, following, alive, a)
         _prune(head, following, alive, b)
-        if keep_topology and not _allowed(faces, head, following, rim, seen, count, a, b):
+        if keep_topology:
+            if not _allowed(faces, head, following, rim, seen, count, a, b):
+                continue
+        elif _shared(faces, head, following, a, b) == left:
+            # something stays
             continue
         x, y, z, _ = _merged(points, quadrics, a, b)
         if _turns_over(points, faces, head, following, a, b, x, y, z) or _turns_over(

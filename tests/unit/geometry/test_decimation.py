@@ -124,6 +124,21 @@ def test_units_places_and_runs_change_nothing(unit: float) -> None:
     assert np.allclose((again.vertices - unit) / unit, few.vertices, atol=1e-5)
 
 
+@pytest.mark.parametrize("seed", range(12))
+def test_any_soup_leaves_something(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    points = rng.normal(size=(rng.integers(4, 30), 3)) * 10.0 ** rng.integers(-9, 9)
+    faces = rng.integers(0, len(points), size=(rng.integers(6, 100), 3))
+    soup = TriangleMesh(points, np.concatenate((faces, faces[::-1, ::-1])))
+    for keep_topology in (True, False):
+        few = decimate(soup, 5, keep_topology=keep_topology)
+        assert len(few.faces) > 0
+        assert len(few.topology.degenerate_faces) == 0
+        assert few.topology.referenced.all()
+    twice = TriangleMesh(np.eye(3), [[0, 1, 2]] * 6)
+    assert len(decimate(twice, 4, keep_topology=False).faces) > 0
+
+
 def test_faces_without_area_do_not_stop_it() -> None:
     flat = np.zeros(len(SPHERE.vertices))
     line = SPHERE.with_vertices(np.stack((SPHERE.vertices[:, 0], flat, flat), axis=1))
