@@ -3,7 +3,8 @@
 Words are typical patches of surfaces (`shapery_retrieval.patches`). A shape covers each word as near as its nearest
 patch comes to it, and a part asks for the words that its own patches are nearest to. What it asks for, times how it is
 covered, is about what `shapery_retrieval.search` finds by looking at all patches of both. A last number fills the
-vector of a shape up to a length that all share; then the largest product is the least Euclidean distance.
+vector of a shape up to a length that all share; then the largest product is the least Euclidean distance. What is asked
+for has that length, too: beside it the rounding to 16 bits, in which pgvector keeps vectors, is small.
 
 References
 ----------
@@ -45,7 +46,7 @@ def covered_by(shapes: list[Patches]) -> Array:
 
 
 def asked_of(hypotheses: Sequence[Patches]) -> Array:
-    """(256,) vector of a part: the share of its patches that is nearest to each word, over all hypotheses of its size.
+    """(256,) vector of a part: the shares of its patches that are nearest to each word, in all of length √255.
 
     Parameters
     ----------
@@ -57,5 +58,5 @@ def asked_of(hypotheses: Sequence[Patches]) -> Array:
     lengths = np.square(words).sum(axis=1)
     for patches in hypotheses:
         nearest = np.argmin(lengths - 2 * patches.features @ words.T, axis=1)
-        asked[:WORDS] += np.bincount(nearest, patches.masses, WORDS) / len(hypotheses)
-    return asked
+        asked[:WORDS] += np.bincount(nearest, patches.masses, WORDS)
+    return asked * np.sqrt(WORDS / (asked @ asked))
