@@ -34,8 +34,9 @@ class SegmentationParams(BaseModel):
     for."""
     max_objects: Annotated[int, Field(ge=1, le=64)] = 8
     """How many objects may be reported at the most."""
-    topology: Literal["preserve", "adaptive"] = "preserve"
-    """Whether the surface keeps the genus of its seed, or may merge and split."""
+    topology: Literal["preserve", "adaptive"] = "adaptive"
+    """``adaptive``: parts of the surface that meet inside the object merge, thin ones outside of it split.
+    ``preserve``: it keeps the genus of its seed, and where it meets itself, as around a necrosis, there is a seam."""
     edge_length: Positive | None = None
     """Target edge length of the final mesh in mm; by default chosen from the voxel spacing."""
     smoothing: Annotated[float, Field(ge=0, le=1)] = 0.12

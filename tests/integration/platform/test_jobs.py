@@ -30,7 +30,7 @@ def test_a_job_is_created_with_its_defaults(new_job: Callable[..., UUID], view: 
     job = view(new_job(max_objects=3))
     assert job.state is JobState.QUEUED
     assert job.params["max_objects"] == 3
-    assert job.params["topology"] == "preserve"
+    assert job.params["topology"] == "adaptive"
     assert list(job.inputs) == ["post"]
     assert (job.attempt, job.fraction, job.error, job.result, job.artifacts) == (0, 0.0, None, None, [])
     assert job.started_at is job.finished_at is job.expires_at is None

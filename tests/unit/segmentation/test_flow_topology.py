@@ -115,12 +115,12 @@ def test_a_surface_with_nothing_to_change_is_left_alone() -> None:
 
 def test_two_balls_merge_only_where_object_lies_between_them() -> None:
     pair = joined(icosphere((-6.5, 0, 0), 6.0, 3), icosphere((6.5, 0, 0), 6.0, 3))
-    merged = reconnected(pair, lambda grid: np.ones(grid.shape, dtype=np.bool_), 1.0)
+    merged = reconnected(pair, lambda grid: np.ones(grid.shape, dtype=np.bool_), 1.0, cell=0.5)
     assert merged is not None
     assert merged.component_count == 1
     assert merged.genus == 0
     assert merged.volume > pair.volume
-    assert reconnected(pair, lambda grid: np.zeros(grid.shape, dtype=np.bool_), 1.0) is None
+    assert reconnected(pair, lambda grid: np.zeros(grid.shape, dtype=np.bool_), 1.0, cell=0.5) is None
 
 
 def test_parts_that_enclose_next_to_nothing_are_left_out() -> None:

@@ -1858,7 +1858,7 @@ export interface components {
             smoothing: number;
             /**
              * Topology
-             * @default preserve
+             * @default adaptive
              * @enum {string}
              */
             topology: "preserve" | "adaptive";

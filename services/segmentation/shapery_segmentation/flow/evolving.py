@@ -49,8 +49,11 @@ makes the other may take away, for ever. A retreat takes about half an edge leng
 LARGEST_FRUITLESS = 4
 """Retreats in a row that take no vertex away, after which they do not keep the surface from resting."""
 
-RECONNECT_INTERVAL, LARGEST_RECONNECTIONS = 12, 8
-"""Iterations between two changes of topology, and how many one stage may see: what is merged must have time to grow."""
+RECONNECT_INTERVAL = 48
+"""Iterations between two changes of topology where the surface does not come to rest."""
+
+LARGEST_RECONNECTIONS = 4
+"""How many changes of topology one stage may see."""
 
 CLEARLY_FLAT = 0.5
 """Edge indicator above which no edge parts two fronts; the gradient model has no other notion of what is object."""
@@ -149,7 +152,7 @@ class Evolution:
             if on_iteration is not None:
                 state = self.mesh.vertex_count, awake, self.oscillating, self.threshold
                 on_iteration(FlowState(stage, self.iteration, *state, self.mesh.to_triangle_mesh))
-            if self._pinched and (rests or done % RECONNECT_INTERVAL == 0):
+            if self._pinched and ((rests and len(p.edge_lengths) == 1) or done % RECONNECT_INTERVAL == 0):
                 rests = not self._reconnect(length) and rests
             if rests:
                 break
@@ -188,7 +191,11 @@ class Evolution:
 
     def _begin(self, stage: int) -> None:
         """Bring the mesh to the stage's edge length."""
-        mesh, lengths = self.mesh, self.params.edge_lengths
+        lengths = self.params.edge_lengths
+        if stage and self._pinched and self._reconnect(lengths[stage - 1], lengths[stage]):
+            self._refinements = self._retreats = self._fruitless = self._changes = self._tries = 0
+            return
+        mesh = self.mesh
         if stage:
             # What was refined keeps its length in mm where that is the finer one.
             scale = mesh.arrays.points[:, SCALE]
@@ -301,16 +308,21 @@ class Evolution:
             self.parts = self.mesh.part_count
             self._take_up(1)
 
-    def _reconnect(self, length: float) -> bool:
-        """Change the topology where the surface meets itself; return whether there was something to change."""
+    def _reconnect(self, length: float, following: float | None = None) -> bool:
+        """Change the topology where the surface meets itself; return whether there was something to change.
+
+        It costs as much as several dozen iterations, so it is done between two stages, where the mesh changes anyway:
+        the new surface has the edge length of the one that is `following`. A flow of one stage does it where it comes
+        to rest.
+        """
         self._verify()
         self._pinched = False
-        surface = reconnected(self.mesh.to_triangle_mesh(), self._object_on, length)
+        surface = reconnected(self.mesh.to_triangle_mesh(), self._object_on, length, cell=following)
         if surface is None:
             return False
         self._changes += 1
         self.reconnections += 1
-        self.mesh = DynamicMesh(surface, length)
+        self.mesh = DynamicMesh(surface, length if following is None else following, test=False)
         self.parts = self.mesh.part_count
         self._take_up(SEED_ROUNDS)
         return True

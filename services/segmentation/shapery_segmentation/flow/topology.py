@@ -23,21 +23,32 @@ from shapery_segmentation.seeding.ball import surface_of
 
 BoolArray = NDArray[np.bool_]
 
-CELL = 0.5
-"""Edge of the grid's cells in edge lengths: the gap that fronts keep is then two cells wide."""
+CELL = 1.0
+"""Edge of the grid's cells in edge lengths at the most: finer ones give many more triangles than are wanted."""
 
-MERGED_GAP = 0.8
+MERGED_GAP = 1.5
 """Half the width, in edge lengths, of the gaps that are closed where object lies in them."""
 
-SPLIT_NECK = 0.6
+SPLIT_NECK = 0.7
 """Half the width, in edge lengths, of the necks that are cut where no object lies in them."""
 
 LEAST_PART = 2.0
 """Cubes of the edge length; smaller parts and smaller cavities are not made."""
 
+PINHOLE = 6
+"""Voxels that a hole through something thin must have to be one; fewer are filled."""
+
+LEAST_CHANGE = 1.0
+"""Cubes of the edge length that are closed or cut in one place, at least: fronts keep a gap of an edge length. Creases
+whose sides have met count as well, though closing them changes no topology."""
+
 
 def reconnected(
-    surface: TriangleMesh, object_on: Callable[[Volume], BoolArray], edge_length: float
+    surface: TriangleMesh,
+    object_on: Callable[[Volume], BoolArray],
+    edge_length: float,
+    *,
+    cell: float | None = None,
 ) -> TriangleMesh | None:
     """Return a surface that is joined where it meets itself inside the object, and cut where it is thin outside of it.
 
@@ -49,18 +60,21 @@ def reconnected(
         Tells which voxels of a grid are object.
     edge_length
         In mm.
+    cell
+        Edge of the grid's cells in mm, by default the edge length; edges of the new surface are about as long.
 
     Returns
     -------
-    The new surface; none if it would have the number of parts and the Euler characteristic of the old one.
+    The new surface; none where nothing of any size would change.
 
     References
     ----------
     T. McInerney, D. Terzopoulos, "Topology adaptive deformable surfaces for medical image volume segmentation", IEEE
     Trans. Med. Imaging 18 (1999), doi:10.1109/42.811261.
     """
-    cell = CELL * edge_length
-    gap, neck = MERGED_GAP / CELL, SPLIT_NECK / CELL
+    cell = CELL * edge_length if cell is None else min(cell, CELL * edge_length)
+    unit = edge_length / cell
+    gap, neck = max(1.0, MERGED_GAP * unit), max(1.0, SPLIT_NECK * unit)
     margin = int(np.ceil(gap)) + 2
     low, high = surface.bounding_box
     shape = np.ceil((high - low) / cell).astype(int) + 2 * margin
@@ -73,13 +87,20 @@ def reconnected(
     joined = inside | (~within(~within(inside, gap), gap) & is_object)
     thick = within(~within(~joined, neck), neck)
     solid = joined & (thick | is_object)
-    least = LEAST_PART / CELL**3
+    holes = ~within(~within(solid, 1.0), 1.0) & ~solid
+    solid |= holes & ~_without_small(holes, PINHOLE, np.ones((3, 3, 3)))
+    least = LEAST_PART * unit**3
     solid = _without_small(solid, least, np.ones((3, 3, 3)))
     solid = ~_without_small(~solid, least, ndimage.generate_binary_structure(3, 1))
     if not solid.any():
         return None
+    least = LEAST_CHANGE * unit**3
+    if not _without_small(solid ^ inside, least, np.ones((3, 3, 3))).any():
+        return None
     new = surface_of(solid, affine)
-    if new.euler_characteristic == surface.euler_characteristic and new.component_count == surface.component_count:
+    same = new.euler_characteristic == surface.euler_characteristic and new.component_count == surface.component_count
+    if same and not _without_small(solid & ~inside, least, np.ones((3, 3, 3))).any():
+        # Only corners were cut.
         return None
     return new
 
@@ -103,9 +124,7 @@ def without_remains(mesh: TriangleMesh, least: float) -> TriangleMesh:
 
 def _without_small(mask: BoolArray, least: float, structure: NDArray[Any]) -> BoolArray:
     """Return `mask` without parts of less than `least` voxels."""
-    labels, count = ndimage.label(mask, structure)
-    if count < 2:
-        return mask
+    labels, _ = ndimage.label(mask, structure)
     sizes = np.bincount(labels.ravel())
     sizes[0] = 0
     return np.asarray((sizes >= least)[labels] & mask)

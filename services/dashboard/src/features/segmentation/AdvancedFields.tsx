@@ -94,14 +94,14 @@ export function AdvancedFields({ choices, problems, withVessels, onChange }: Adv
       />
       <Select
         label="Topology"
-        description="Whether the surface keeps its genus, or may merge and split."
+        description="Whether the surface may merge where it meets itself, or keeps its genus and a seam."
         data={[
-          { value: "preserve", label: "Preserve" },
           { value: "adaptive", label: "Adaptive" },
+          { value: "preserve", label: "Preserve" },
         ]}
         allowDeselect={false}
         value={choices.topology}
-        onChange={(value) => onChange({ topology: value ?? "preserve" })}
+        onChange={(value) => onChange({ topology: value ?? "adaptive" })}
       />
       <NumberInput
         label="Edge length of the mesh"

@@ -77,7 +77,7 @@ export const DEFAULTS: Choices = {
   vesselSeeds: "",
   microhemorrhages: "auto",
   maxObjects: 8,
-  topology: "preserve",
+  topology: "adaptive",
   edgeLength: "",
   smoothing: 0.12,
   randomSeed: 0,
