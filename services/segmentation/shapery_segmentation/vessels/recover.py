@@ -12,11 +12,11 @@ from scipy import ndimage
 
 from shapery_contracts.errors import InvalidInput
 from shapery_geometry.mesh import TriangleMesh
-from shapery_geometry.rasterize import rasterize
 from shapery_geometry.volume import Reorientation, Volume
 from shapery_segmentation.vessels.border import Border, find_border, within
 from shapery_segmentation.vessels.centerline import Branch, find_centerlines
 from shapery_segmentation.vessels.evidence import Evidence, gather_evidence
+from shapery_segmentation.vessels.fit import half_covered
 from shapery_segmentation.vessels.tracking import edge_length, relative_box, track_tree
 
 FloatArray = NDArray[np.float64]
@@ -242,7 +242,7 @@ def _trees(
         tracked = track_tree(
             np.argwhere(part) + corner + field.low, field, edge, evidence, border, grid, check_cancelled=check
         )
-        inside = rasterize(tracked.surface, grid)
+        inside = half_covered(tracked.surface, grid)
         check()
         branches = find_centerlines(inside & ~mask, grid)
         mask |= inside
