@@ -7,7 +7,7 @@ from contextlib import asynccontextmanager
 from typing import Any
 
 from anyio.to_thread import run_sync
-from fastapi import FastAPI
+from fastapi import Depends, FastAPI
 from fastapi.routing import APIRoute
 from starlette.middleware import Middleware
 from starlette.middleware.cors import CORSMiddleware
@@ -19,6 +19,7 @@ from shapery_gateway.batches.routes import router as batches
 from shapery_gateway.collections.routes import router as collections
 from shapery_gateway.dashboard.routes import serve_dashboard
 from shapery_gateway.health.routes import router as health
+from shapery_gateway.http.parameters import refuse_repeated
 from shapery_gateway.jobs.routes import router as jobs
 from shapery_gateway.keys.routes import router as keys
 from shapery_gateway.kinds.routes import router as kinds
@@ -88,6 +89,7 @@ def create_app(settings: Settings) -> FastAPI:
         redirect_slashes=False,
         generate_unique_id_function=_operation_id,
         middleware=_layers(settings),
+        dependencies=[Depends(refuse_repeated)],
     )
     app.state.settings = settings
     problems.install(app)

@@ -154,6 +154,6 @@ PublicCaller = Depends(get_public_caller)
 
 Cursor = Annotated[
     str | None,
-    Query(max_length=200, description="`next_cursor` of the page before; leave it out for the first page."),
+    Query(max_length=2000, description="`next_cursor` of the page before; leave it out for the first page."),
 ]
 Limit = Annotated[int, Query(ge=1, le=200, description="Items a page may have.")]

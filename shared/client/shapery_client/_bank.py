@@ -13,6 +13,7 @@ from shapery_contracts.shapes import (
     CollectionUpdate,
     CollectionView,
     ShapeDetail,
+    ShapeOrder,
     ShapeUpdate,
     ShapeView,
 )
@@ -61,12 +62,14 @@ class BankCalls(Calls):
         labels: Mapping[str, str] | None = None,
         name: str | None = None,
         outdated: bool = False,
+        order: ShapeOrder = "-created",
     ) -> Iterator[ShapeView]:
-        """Iterate over all shapes, newest first; only those of a collection, with all labels, with a text in the name.
+        """Iterate over all shapes in an order; only those of a collection, with all labels, with a text in the name.
 
         `outdated` leaves those that an older version has indexed, which searches do not see.
         """
         filters: dict[str, Any] = {"label": [f"{key}:{value}" for key, value in (labels or {}).items()], "limit": 200}
+        filters["order"] = order
         if collection is not None:
             filters["collection"] = collection
         if name is not None:

@@ -147,7 +147,7 @@ class Client(BankCalls):
         return self._get(f"/v1/assets/{asset_id}", AssetView)
 
     def assets(self, **filters: str) -> Iterator[AssetView]:
-        """Iterate over all assets, newest first."""
+        """Iterate over all assets, newest first; filter by ``kind``; another ``order`` is ``name`` or ``-name``."""
         return self._pages("/v1/assets", AssetView, filters)
 
     def delete_asset(self, asset_id: UUID | str) -> None:
@@ -183,7 +183,10 @@ class Client(BankCalls):
         return self._get(f"/v1/jobs/{job_id}", JobView)
 
     def jobs(self, **filters: str) -> Iterator[JobView]:
-        """Iterate over all jobs, newest first; filter by ``state``, ``kind`` or ``batch_id``."""
+        """Iterate over all jobs, newest first; filter by ``state``, ``kind``, ``batch_id`` or ``name``.
+
+        Another ``order`` is ``created``, ``name``, ``state`` or ``took``, downwards with a minus.
+        """
         return self._pages("/v1/jobs", JobView, filters)
 
     def cancel(self, job_id: UUID | str) -> JobView:

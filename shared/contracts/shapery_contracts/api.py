@@ -44,6 +44,12 @@ class Page(BaseModel, Generic[T]):
     next_cursor: str | None = None
 
 
+# What a list may be ordered by, upwards, or downwards with a minus.
+AssetOrder = Literal["-created", "created", "name", "-name"]
+BatchOrder = Literal["-created", "created"]
+JobOrder = Literal["-created", "created", "name", "-name", "state", "-state", "took", "-took"]
+
+
 class Scope(StrEnum):
     """What an API key may do."""
 
@@ -99,6 +105,8 @@ class JobView(BaseModel):
     """A job as it is now."""
 
     id: UUID
+    name: str = ""
+    """File name of the first asset of its first input, which may have been deleted since; empty without inputs."""
     kind: str
     state: JobState
     inputs: dict[str, list[UUID]]

@@ -96,6 +96,10 @@ class ShapeDetail(ShapeView):
     warnings: list[str]
 
 
+ShapeOrder = Literal["-created", "created", "name", "-name"]
+"""What a list of shapes may be ordered by, upwards, or downwards with a minus."""
+
+
 class LabelCount(BaseModel):
     """A label, and how many shapes carry it."""
 

@@ -9,7 +9,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from shapery_contracts.api import AssetView
+from shapery_contracts.api import AssetOrder, AssetView
 from shapery_contracts.errors import InvalidInput
 from shapery_contracts.formats import AssetKind, FileFormat, sniff
 from shapery_platform import blobs
@@ -17,7 +17,7 @@ from shapery_platform.db import utc_now
 from shapery_platform.db.models import Asset
 from shapery_platform.db.repositories import assets as repository
 from shapery_platform.db.repositories import blobs as blob_repository
-from shapery_platform.paging import checked_limit, cut_page, parse_cursor
+from shapery_platform.paging import NEWEST_FIRST, checked_limit, cut_page, parse_sort
 from shapery_platform.settings import Settings
 from shapery_platform.storage import ObjectStore, object_key
 
@@ -86,13 +86,17 @@ def get(session: Session, owner: str, asset_id: UUID) -> Asset:
 
 
 def list_assets(
-    session: Session, owner: str, cursor: str | None = None, limit: int = 50, kind: AssetKind | None = None
+    session: Session,
+    owner: str,
+    cursor: str | None = None,
+    limit: int = 50,
+    kind: AssetKind | None = None,
+    order: AssetOrder = NEWEST_FIRST,
 ) -> tuple[list[Asset], str | None]:
-    """Return a page of assets, the newest first, and the cursor of the next one."""
+    """Return a page of assets in an order, and the cursor of the next one."""
     limit = checked_limit(limit)
-    return cut_page(
-        repository.page(session, owner, parse_cursor(cursor), limit + 1, kind), limit, lambda asset: asset.id
-    )
+    sort = parse_sort(cursor, order, repository.ORDERS)
+    return cut_page(repository.page(session, owner, sort, limit + 1, kind), limit, sort, repository.ORDERS)
 
 
 def delete(session: Session, owner: str, asset_id: UUID) -> None:

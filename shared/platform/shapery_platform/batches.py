@@ -10,7 +10,7 @@ from uuid import UUID
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
-from shapery_contracts.api import BatchEvent, BatchHeader, BatchItem, BatchResult, BatchView
+from shapery_contracts.api import BatchEvent, BatchHeader, BatchItem, BatchOrder, BatchResult, BatchView
 from shapery_contracts.errors import InvalidInput, LimitExceeded
 from shapery_contracts.kinds import get_kind
 from shapery_contracts.states import JobAction, JobState, target_state
@@ -25,12 +25,13 @@ from shapery_platform.jobs.creation import (
     conflict,
     fingerprint,
     input_rows,
+    job_name,
     job_row,
     validated_params,
 )
 from shapery_platform.jobs.lifecycle import retried
 from shapery_platform.jobs.views import view as job_view
-from shapery_platform.paging import checked_limit, cut_page, parse_cursor
+from shapery_platform.paging import NEWEST_FIRST, checked_limit, cut_page, parse_sort
 from shapery_platform.settings import Settings
 
 _AT_ONCE = 500
@@ -85,10 +86,10 @@ def create(
     print_ = fingerprint([header.model_dump(mode="json"), [row["fingerprint"] for row in rows]])
     if key is not None and (known := _known(session, owner, key, print_)) is not None:
         return known, False
-    check_assets(session, owner, kind, inputs)
+    names = check_assets(session, owner, kind, inputs)
     batch_id = new_id()
-    for row in rows:
-        row["batch_id"] = batch_id
+    for row, listed in zip(rows, inputs, strict=True):
+        row |= {"batch_id": batch_id, "name": job_name(listed, names)}
     batch = {
         "id": batch_id,
         "owner": owner,
@@ -136,13 +137,12 @@ def get(session: Session, owner: str, batch_id: UUID) -> Batch:
 
 
 def list_batches(
-    session: Session, owner: str, cursor: str | None = None, limit: int = 50
+    session: Session, owner: str, cursor: str | None = None, limit: int = 50, order: BatchOrder = NEWEST_FIRST
 ) -> tuple[list[BatchView], str | None]:
-    """Return a page of batches, the newest first, and the cursor of the next one."""
+    """Return a page of batches in an order, and the cursor of the next one."""
     limit = checked_limit(limit)
-    rows, following = cut_page(
-        repository.page(session, owner, parse_cursor(cursor), limit + 1), limit, lambda batch: batch.id
-    )
+    sort = parse_sort(cursor, order)
+    rows, following = cut_page(repository.page(session, owner, sort, limit + 1), limit, sort)
     return _views(session, rows), following
 
 

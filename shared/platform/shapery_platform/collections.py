@@ -16,7 +16,7 @@ from shapery_platform.db.models import Collection
 from shapery_platform.db.repositories import blobs as blob_repository
 from shapery_platform.db.repositories import collections as repository
 from shapery_platform.db.repositories import shapes as shape_repository
-from shapery_platform.paging import checked_limit, cut_page, parse_cursor
+from shapery_platform.paging import checked_limit, cut_page, parse_sort
 
 
 def create(session: Session, owner: str, request: CollectionCreate) -> Collection:
@@ -50,8 +50,8 @@ def list_collections(
 ) -> tuple[list[Collection], str | None]:
     """Return a page of collections, the newest first, and the cursor of the next one."""
     limit = checked_limit(limit)
-    rows = repository.page(session, owner, parse_cursor(cursor), limit + 1)
-    return cut_page(rows, limit, lambda collection: collection.id)
+    sort = parse_sort(cursor)
+    return cut_page(repository.page(session, owner, sort, limit + 1), limit, sort)
 
 
 def update(session: Session, owner: str, collection_id: UUID, request: CollectionUpdate) -> Collection:

@@ -9,13 +9,13 @@ from sqlalchemy.orm import Session
 
 from shapery_contracts.errors import InvalidInput
 from shapery_contracts.retrieval import INDEX_VERSION
-from shapery_contracts.shapes import LabelCount, ShapeDetail, ShapeUpdate, ShapeView
+from shapery_contracts.shapes import LabelCount, ShapeDetail, ShapeOrder, ShapeUpdate, ShapeView
 from shapery_platform import collections
 from shapery_platform.db import utc_now
 from shapery_platform.db.models import Shape, ShapeFile
 from shapery_platform.db.repositories import blobs as blob_repository
 from shapery_platform.db.repositories import shapes as repository
-from shapery_platform.paging import checked_limit, cut_page, parse_cursor
+from shapery_platform.paging import NEWEST_FIRST, checked_limit, cut_page, parse_sort
 
 MESH, PREVIEW, COMPONENTS = "mesh.glb", "preview.png", "components.json"
 FILES = (MESH, PREVIEW, COMPONENTS)
@@ -46,8 +46,9 @@ def list_shapes(
     name: str | None = None,
     outdated: bool = False,
     job_id: UUID | None = None,
+    order: ShapeOrder = NEWEST_FIRST,
 ) -> tuple[list[Shape], str | None]:
-    """Return a page of shapes, the newest first, and the cursor of the next one.
+    """Return a page of shapes in an order, and the cursor of the next one.
 
     Parameters
     ----------
@@ -64,10 +65,11 @@ def list_shapes(
         ``not_found`` where there is no such collection.
     """
     limit = checked_limit(limit)
+    sort = parse_sort(cursor, order, repository.ORDERS)
     rows = repository.page(
         session,
         owner,
-        parse_cursor(cursor),
+        sort,
         limit + 1,
         collection_id=None if collection is None else collections.named(session, owner, collection),
         labels=labels or {},
@@ -75,7 +77,7 @@ def list_shapes(
         outdated_at=INDEX_VERSION if outdated else None,
         job_id=job_id,
     )
-    return cut_page(rows, limit, lambda shape: shape.id)
+    return cut_page(rows, limit, sort, repository.ORDERS)
 
 
 def labels(session: Session, owner: str, limit: int, *, collection: str | None = None) -> list[LabelCount]:

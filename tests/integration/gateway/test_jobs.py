@@ -263,3 +263,39 @@ def test_a_running_job_shows_how_its_result_looks_so_far(platform: Platform, htt
     ended = http.get(path)
     assert (ended.status_code, ended.content) == (204, b"")
     assert http.get(f"/v1/jobs/{uuid4()}/preview").json()["code"] == "not_found"
+
+
+def test_lists_come_in_the_order_that_is_asked_for(http: httpx.Client) -> None:
+    """By name over several pages, for jobs and for files; the jobs keep their names when the files are gone."""
+    names = ["b.nii", "c.nii", "a.nii"]
+    for seed, name in enumerate(names):
+        asset = http.post("/v1/assets", files={"file": (f"ordered {name}", nifti(seed=seed))}).json()
+        http.post("/v1/jobs", json={"kind": "segmentation", "inputs": {"post": asset["id"]}}).raise_for_status()
+
+    def listed(path: str, key: str, **query: str) -> list[str]:
+        found: list[str] = []
+        page: dict[str, object] = {"next_cursor": None}
+        while not found or page["next_cursor"]:
+            cursor = {"cursor": page["next_cursor"]} if page["next_cursor"] else {}
+            page = http.get(path, params={"limit": 2, **query, **cursor}).raise_for_status().json()
+            found += [item[key].removeprefix("ordered ") for item in page["items"]]
+        return found
+
+    assert listed("/v1/assets", "filename", order="name") == sorted(names)
+    assert listed("/v1/assets", "filename", order="created") == names
+    for asset in http.get("/v1/assets").json()["items"]:
+        http.delete(f"/v1/assets/{asset['id']}").raise_for_status()
+    assert listed("/v1/jobs", "name", order="-name", name="RED") == sorted(names, reverse=True)
+    assert listed("/v1/jobs", "name", name="ordered a") == ["a.nii"]
+    assert listed("/v1/jobs", "name", order="created") == names
+    cursor = http.get("/v1/jobs", params={"limit": 1, "order": "name"}).json()["next_cursor"]
+    for path, query in (
+        ("/v1/jobs", [("order", "state"), ("cursor", cursor)]),
+        ("/v1/jobs", [("order", "size")]),
+        ("/v1/batches", [("order", "name")]),
+        ("/v1/jobs", [("name", "a"), ("name", "b")]),
+    ):
+        refused = http.get(path, params=query)
+        assert (refused.status_code, refused.json()["code"]) == (422, "validation_failed"), query
+    assert http.get("/v1/batches", params={"order": "created"}).json()["items"] == []
+    assert http.get("/v1/shapes", params=[("order", "name"), ("label", "a:b"), ("label", "c:d")]).status_code == 200

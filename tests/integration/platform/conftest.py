@@ -125,11 +125,13 @@ def staging(pinned_store: ObjectStore) -> UploadStaging:
 def new_asset(database: Database, local_store: ObjectStore, settings: Settings) -> Callable[..., UUID]:
     """A function that stores bytes and makes an asset of them."""
 
-    def make(owner: str = "ann", data: bytes = b"voxels", found: FileFormat = VOLUME) -> UUID:
+    def make(
+        owner: str = "ann", data: bytes = b"voxels", found: FileFormat = VOLUME, filename: str = "head.nii"
+    ) -> UUID:
         blob = local_store.put_bytes(data)
         with database.session() as session:
             return assets.create_from_upload(
-                session, local_store, settings, owner, blob.sha256, blob.size, "head.nii", found
+                session, local_store, settings, owner, blob.sha256, blob.size, filename, found
             ).id
 
     return make

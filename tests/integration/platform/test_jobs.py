@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+import json
 import threading
+from base64 import urlsafe_b64encode
 from collections.abc import Callable
 from typing import Any
 from uuid import UUID, uuid4
 
 import pytest
-from sqlalchemy import func, select
+from sqlalchemy import func, select, update
 
-from shapery_contracts.api import JobCreate, JobView
+from shapery_contracts.api import JobCreate, JobOrder, JobView
 from shapery_contracts.errors import UserError
 from shapery_contracts.formats import AssetKind, FileFormat
 from shapery_contracts.states import JobState
 from shapery_platform import assets, jobs
-from shapery_platform.db import Database
+from shapery_platform.db import Database, new_id, utc_now
 from shapery_platform.db.models import Job
 from shapery_platform.jobs import ClaimedJob
 from shapery_platform.settings import Settings
@@ -172,6 +174,82 @@ def test_pages_show_each_job_once_while_others_come(database: Database, new_job:
     assert seen == made[::-1]
 
 
+@pytest.mark.parametrize("by", ["created", "name", "state", "took"])
+def test_every_order_shows_each_job_once(
+    database: Database, settings: Settings, new_asset: Callable[..., UUID], new_job: Callable[..., UUID], by: Any
+) -> None:
+    """Also where many are alike, upwards and downwards, and while others come."""
+    states = [JobState.SUCCEEDED, JobState.FAILED]
+    made = []
+    for number in range(9):
+        request = JobCreate(kind="segmentation", inputs={"post": new_asset(filename=f"{'bac'[number % 3]}.nii")})
+        ended = {"state": states[number % 2], "took": 0.1 * (number % 4), "finished_at": utc_now()}
+        with database.session() as session:
+            made.append(jobs.create(session, settings, "ann", request)[0].id)
+            session.execute(update(Job).where(Job.id == made[-1]).values(**ended))
+    keys: dict[str, Callable[[int], Any]] = {
+        "created": lambda number: number,
+        "name": lambda number: ("bac"[number % 3], number),
+        "state": lambda number: (states[number % 2], number),
+        "took": lambda number: (number % 4, number),
+    }
+    expected = [made[number] for number in sorted(range(9), key=keys[by])]
+    wanted: dict[JobOrder, list[UUID]] = {by: expected, f"-{by}": expected[::-1]}
+    for order, ids in wanted.items():
+        seen: list[UUID] = []
+        cursor = None
+        while True:
+            with database.session(readonly=True) as session:
+                page, cursor = jobs.list_jobs(session, "ann", cursor, 2, order=order)
+            seen += [job.id for job in page]
+            if cursor is None:
+                break
+            new_job("ann")
+        assert [job for job in seen if job in set(made)] == ids
+        assert len(set(seen)) == len(seen)
+
+
+def test_a_cursor_belongs_to_an_order(database: Database, new_job: Callable[..., UUID]) -> None:
+    for _ in range(3):
+        new_job()
+    with database.session(readonly=True) as session:
+        _, cursor = jobs.list_jobs(session, "ann", None, 2, order="name")
+        assert cursor is not None
+        assert len(jobs.list_jobs(session, "ann", cursor, 2, order="name")[0]) == 1
+        forged = [urlsafe_b64encode(json.dumps(place).encode()).decode() for place in (
+            ["took", "long", str(new_id())], ["took", 1, str(new_id())], ["name", 1.5, str(new_id())],
+            ["name", "\0", str(new_id())], ["name", "\ud800", str(new_id())], ["name", "a", "b"], "name", None,
+        )]  # fmt: skip
+        orders: list[JobOrder] = ["-name", "took", "state", "created"]
+        for order in orders:
+            for wrong in (cursor, *forged):
+                with pytest.raises(UserError) as error:
+                    jobs.list_jobs(session, "ann", wrong, 2, order=order)
+                assert error.value.code == "validation_failed"
+
+
+def test_how_long_a_job_took_is_known_once_it_has_ended(
+    database: Database, new_job: Callable[..., UUID], claimed: Callable[..., ClaimedJob]
+) -> None:
+    running = claimed()
+
+    def took() -> float:
+        with database.session(readonly=True) as session:
+            return jobs.get(session, "ann", running.job_id).took
+
+    assert took() == -1
+    with database.session() as session:
+        assert jobs.fail(session, running.job_id, running.lease, "no_object_found", "None.", "")
+    with database.session(readonly=True) as session:
+        job = jobs.get(session, "ann", running.job_id)
+        assert job.finished_at is not None
+        assert job.started_at is not None
+        assert job.took == (job.finished_at - job.started_at).total_seconds() >= 0
+    with database.session() as session:
+        jobs.retry(session, "ann", running.job_id)
+    assert took() == -1
+
+
 def test_lists_are_filtered(
     database: Database, new_job: Callable[..., UUID], claimed: Callable[..., ClaimedJob]
 ) -> None:
@@ -185,6 +263,8 @@ def test_lists_are_filtered(
         assert ids(state=JobState.RUNNING) == [running]
         assert ids(kind="segmentation") == [running, waiting]
         assert ids(kind="shape-index") == []
+        assert ids(name="EAD") == [running, waiting]
+        assert ids(name="e%d") == []
         assert ids(batch_id=uuid4()) == []
         with pytest.raises(UserError) as error:
             ids(cursor="the one before")

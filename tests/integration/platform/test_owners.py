@@ -37,7 +37,7 @@ LISTS = {
 }
 GIVES_NOTHING = {"jobs.events_after", "shapes.labels", "shapes.outdated", "shapes.some"}
 """An empty list and not an error: whoever asks knows already that the job or the collection exists."""
-FILTERS = {"batch_id", "job_id"}
+FILTERS = {"name", "batch_id", "job_id"}
 """Where a function can do without them, they narrow a list."""
 
 

@@ -66,9 +66,9 @@ def test_jobs_are_listed_for_people_and_for_programs(server: FlakyServer) -> Non
     assert people.returncode == 0
     assert str(JOB) in people.stdout
     assert "25%" in people.stdout
-    programs = shapery("jobs", "list", "--state", "running", "--json", "--server", server.address)
+    programs = shapery("jobs", "list", "--state", "running", "--order", "name", "--json", "--server", server.address)
     assert json.loads(programs.stdout)[0]["id"] == str(JOB)
-    assert "state=running" in server.requests[-1][1]
+    assert "state=running&order=name" in server.requests[-1][1]
 
 
 def test_watching_a_job_that_fails_is_exit_code_5(server: FlakyServer) -> None:

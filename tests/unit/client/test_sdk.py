@@ -160,8 +160,9 @@ def test_lists_are_read_page_by_page(client: Client, server: FlakyServer) -> Non
             answer(handler, 200, {"items": [job("queued"), job("running")], "next_cursor": "next"})
 
     server.routes["GET", "/v1/jobs"] = page
-    assert [item.state for item in client.jobs(kind="segmentation")] == ["queued", "running", "failed"]
-    assert all("kind=segmentation" in path for _, path, _ in server.requests)
+    found = client.jobs(kind="segmentation", order="-took")
+    assert [item.state for item in found] == ["queued", "running", "failed"]
+    assert all("kind=segmentation&order=-took" in path for _, path, _ in server.requests)
 
 
 def test_a_download_resumes_and_is_checked(client: Client, server: FlakyServer, tmp_path: Path) -> None:

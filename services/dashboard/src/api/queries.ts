@@ -8,11 +8,14 @@ import {
 } from "@tanstack/react-query";
 import { api, body } from "./client";
 import { ApiError } from "./problem";
-import type { Asset, Job, JobCreate, JobEvent, JobState, Readiness } from "./types";
+import type { Asset, Job, JobCreate, JobEvent, JobOrder, JobState, Readiness } from "./types";
 
 export interface JobFilter {
   state?: JobState | undefined;
   kind?: string | undefined;
+  /** A text in the name. */
+  name?: string | undefined;
+  order?: JobOrder | undefined;
   cursor?: string | undefined;
   batch?: string | undefined;
 }
@@ -79,6 +82,8 @@ export const jobsQuery = (filter: JobFilter) =>
               limit: PAGE_SIZE,
               ...(filter.state ? { state: filter.state } : {}),
               ...(filter.kind ? { kind: filter.kind } : {}),
+              ...(filter.name ? { name: filter.name } : {}),
+              ...(filter.order ? { order: filter.order } : {}),
               ...(filter.cursor ? { cursor: filter.cursor } : {}),
               ...(filter.batch ? { batch_id: filter.batch } : {}),
             },
@@ -126,7 +131,7 @@ export const assetQuery = (id: string) =>
     staleTime: Number.POSITIVE_INFINITY, // an asset never changes
   });
 
-/** The files that jobs were started with, by id; one request for the recent ones rather than one for each. */
+/** The files that a job was started with, by id. */
 export function useAssetNames(ids: readonly string[]): ReadonlyMap<string, Asset> {
   const client = useQueryClient();
   const wanted = [...new Set(ids)].sort();
@@ -135,14 +140,6 @@ export function useAssetNames(ids: readonly string[]): ReadonlyMap<string, Asset
     enabled: wanted.length > 0,
     staleTime: Number.POSITIVE_INFINITY,
     queryFn: async () => {
-      const known = (id: string) => client.getQueryData<Asset>(keys.asset(id));
-      if (wanted.filter((id) => !known(id)).length > 2) {
-        const recent = await client.query({
-          ...volumesQuery,
-          staleTime: 5_000,
-        });
-        rememberAssets(client, recent.items);
-      }
       const found = await Promise.all(
         wanted.map((id) => client.query(assetQuery(id)).catch(() => null)), // deleted: the job still has its id
       );

@@ -73,7 +73,7 @@ export interface paths {
         };
         /**
          * List your assets
-         * @description Newest first.
+         * @description Newest first, if no other order is asked for.
          */
         get: operations["listAssets"];
         put?: never;
@@ -143,7 +143,7 @@ export interface paths {
         };
         /**
          * List your batches
-         * @description Newest first.
+         * @description Newest first, if no other order is asked for.
          */
         get: operations["listBatches"];
         put?: never;
@@ -362,7 +362,7 @@ export interface paths {
         };
         /**
          * List your jobs
-         * @description Newest first.
+         * @description Newest first, if no other order is asked for. Jobs that have not ended, or never began, took the least time.
          */
         get: operations["listJobs"];
         put?: never;
@@ -634,7 +634,7 @@ export interface paths {
         };
         /**
          * List your shapes
-         * @description Newest first.
+         * @description Newest first, if no other order is asked for.
          */
         get: operations["listShapes"];
         put?: never;
@@ -1270,6 +1270,11 @@ export interface components {
              * @default
              */
             message: string;
+            /**
+             * Name
+             * @default
+             */
+            name: string;
             /** Params */
             params: {
                 [key: string]: unknown;
@@ -2627,6 +2632,8 @@ export interface operations {
                 kind?: components["schemas"]["AssetKind"] | null;
                 /** @description Items a page may have. */
                 limit?: number;
+                /** @description By what, upwards; downwards with a minus. */
+                order?: "-created" | "created" | "name" | "-name";
             };
             header?: never;
             path?: never;
@@ -3622,6 +3629,8 @@ export interface operations {
                 cursor?: string | null;
                 /** @description Items a page may have. */
                 limit?: number;
+                /** @description By what, upwards; downwards with a minus. */
+                order?: "-created" | "created";
             };
             header?: never;
             path?: never;
@@ -6080,6 +6089,10 @@ export interface operations {
                 kind?: string | null;
                 /** @description Items a page may have. */
                 limit?: number;
+                /** @description Only jobs with this text in their name. */
+                name?: string | null;
+                /** @description By what, upwards; downwards with a minus. */
+                order?: "-created" | "created" | "name" | "-name" | "state" | "-state" | "took" | "-took";
                 /** @description Only jobs in this state. */
                 state?: components["schemas"]["JobState"] | null;
             };
@@ -8892,6 +8905,8 @@ export interface operations {
                 limit?: number;
                 /** @description Only shapes with this text in their name. */
                 name?: string | null;
+                /** @description By what, upwards; downwards with a minus. */
+                order?: "-created" | "created" | "name" | "-name";
                 /** @description Only shapes that an older version has indexed, which searches do not see. */
                 outdated?: boolean;
             };

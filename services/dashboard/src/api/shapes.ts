@@ -8,7 +8,7 @@ import {
 } from "@tanstack/react-query";
 import { api, body } from "./client";
 import { ApiError } from "./problem";
-import type { Batch, Collection, Shape, ShapeDetail, ShapeUpdate } from "./types";
+import type { Batch, Collection, Shape, ShapeDetail, ShapeOrder, ShapeUpdate } from "./types";
 
 /** Which shapes of the bank are shown. */
 export interface ShapeFilter {
@@ -18,6 +18,7 @@ export interface ShapeFilter {
   /** A text in the name. */
   name?: string | undefined;
   outdated?: boolean | undefined;
+  order?: ShapeOrder | undefined;
 }
 
 export const shapeKeys = {
@@ -36,7 +37,7 @@ export interface ShapePage {
   next_cursor?: string | null;
 }
 
-/** Shapes, newest first, a page after another. */
+/** Shapes in an order, a page after another. */
 export const shapesQuery = (filter: ShapeFilter) =>
   infiniteQueryOptions({
     queryKey: shapeKeys.list(filter),
@@ -51,6 +52,7 @@ export const shapesQuery = (filter: ShapeFilter) =>
               ...(filter.labels?.length ? { label: [...filter.labels] } : {}),
               ...(filter.name ? { name: filter.name } : {}),
               ...(filter.outdated ? { outdated: true } : {}),
+              ...(filter.order ? { order: filter.order } : {}),
             },
           },
           signal,

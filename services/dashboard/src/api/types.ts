@@ -1,4 +1,4 @@
-import type { components } from "./schema";
+import type { components, operations } from "./schema";
 
 type Schemas = components["schemas"];
 
@@ -26,6 +26,9 @@ export type Scope = Schemas["Scope"];
 export type Readiness = Schemas["ReadyView"];
 export type Usage = Schemas["UsageView"];
 export type ServerInfo = Schemas["ServerInfo"];
+
+export type JobOrder = NonNullable<NonNullable<operations["listJobs"]["parameters"]["query"]>["order"]>;
+export type ShapeOrder = NonNullable<NonNullable<operations["listShapes"]["parameters"]["query"]>["order"]>;
 
 export const JOB_STATES = [
   "queued",

@@ -1,12 +1,16 @@
 import { Text } from "@mantine/core";
 import { createRootRoute, createRoute, createRouter, lazyRouteComponent } from "@tanstack/react-router";
 import { Compass } from "lucide-react";
-import { JOB_STATES, type JobState } from "@/api/types";
+import { JOB_STATES, type JobOrder, type JobState, type ShapeOrder } from "@/api/types";
 import { readAddress } from "@/features/shapes/searching";
 import { LinkButton } from "./links";
 import { Empty, Failure, Waiting } from "./Notice";
 import { Page } from "./Page";
 import { Shell } from "./Shell";
+
+/** A collection may well be called 2024. */
+const text = (value: unknown): string | undefined =>
+  typeof value === "string" || typeof value === "number" ? String(value) : undefined;
 
 const root = createRootRoute({
   component: Shell,
@@ -31,10 +35,14 @@ const start = createRoute({
 });
 
 export interface JobsSearch {
-  state?: JobState;
-  kind?: string;
-  cursor?: string;
+  state?: JobState | undefined;
+  kind?: string | undefined;
+  name?: string | undefined;
+  order?: JobOrder | undefined;
+  cursor?: string | undefined;
 }
+
+const JOB_ORDERS: readonly unknown[] = ["created", "name", "-name", "state", "-state", "took", "-took"];
 
 export const jobsRoute = createRoute({
   getParentRoute: () => root,
@@ -42,6 +50,8 @@ export const jobsRoute = createRoute({
   validateSearch: (search: Record<string, unknown>): JobsSearch => ({
     ...(JOB_STATES.includes(search.state as JobState) ? { state: search.state as JobState } : {}),
     ...(typeof search.kind === "string" ? { kind: search.kind } : {}),
+    ...(text(search.name) === undefined ? {} : { name: text(search.name) }),
+    ...(JOB_ORDERS.includes(search.order) ? { order: search.order as JobOrder } : {}),
     ...(typeof search.cursor === "string" ? { cursor: search.cursor } : {}),
   }),
   component: lazyRouteComponent(() => import("@/features/jobs/JobsPage"), "JobsPage"),
@@ -92,9 +102,6 @@ const motionRoute = createRoute({
   component: lazyRouteComponent(() => import("@/features/motion/MotionPage"), "MotionPage"),
 });
 
-/** A collection may well be called 2024. */
-const text = (value: unknown): string | undefined =>
-  typeof value === "string" || typeof value === "number" ? String(value) : undefined;
 const texts = (value: unknown): string[] =>
   Array.isArray(value) ? value.filter((text) => typeof text === "string") : typeof value === "string" ? [value] : [];
 
@@ -104,16 +111,18 @@ export interface ShapesSearch {
   labels?: string[];
   name?: string | undefined;
   outdated?: boolean;
+  order?: ShapeOrder | undefined;
 }
 
 const shapesRoute = createRoute({
   getParentRoute: () => root,
   path: "/shapes",
-  validateSearch: ({ collection, labels, name, outdated }: Record<string, unknown>): ShapesSearch => ({
+  validateSearch: ({ collection, labels, name, outdated, order }: Record<string, unknown>): ShapesSearch => ({
     ...(text(collection) === undefined ? {} : { collection: text(collection) }),
     ...(texts(labels).length > 0 ? { labels: texts(labels) } : {}),
     ...(text(name) === undefined ? {} : { name: text(name) }),
     ...(outdated === true ? { outdated } : {}),
+    ...(order === "created" || order === "name" || order === "-name" ? { order } : {}),
   }),
   component: lazyRouteComponent(() => import("@/features/shapes/ShapesPage"), "ShapesPage"),
 });

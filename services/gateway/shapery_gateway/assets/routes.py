@@ -7,7 +7,7 @@ from uuid import UUID
 
 from fastapi import APIRouter, Query, Request, Response
 
-from shapery_contracts.api import AssetView, Page
+from shapery_contracts.api import AssetOrder, AssetView, Page
 from shapery_contracts.formats import AssetKind
 from shapery_gateway.assets import service
 from shapery_gateway.dependencies import BackendDep, Cursor, Limit, Reader, ReadSession, Writer, WriteSession
@@ -70,9 +70,10 @@ def list_assets(
     cursor: Cursor = None,
     limit: Limit = 50,
     kind: Annotated[AssetKind | None, Query(description="Only assets of this kind.")] = None,
+    order: Annotated[AssetOrder, Query(description="By what, upwards; downwards with a minus.")] = "-created",
 ) -> Page[AssetView]:
-    """Newest first."""
-    return service.list_assets(session, caller, cursor, limit, kind)
+    """Newest first, if no other order is asked for."""
+    return service.list_assets(session, caller, cursor, limit, kind, order)
 
 
 @router.get(

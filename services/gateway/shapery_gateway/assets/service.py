@@ -9,7 +9,7 @@ from uuid import UUID
 from fastapi import Request
 from sqlalchemy.orm import Session
 
-from shapery_contracts.api import AssetView, Page
+from shapery_contracts.api import AssetOrder, AssetView, Page
 from shapery_contracts.errors import InvalidInput
 from shapery_contracts.formats import AssetKind
 from shapery_gateway.assets.multipart import MultipartFile, blocks
@@ -68,10 +68,10 @@ def get(session: Session, caller: Principal, asset_id: UUID) -> AssetView:
 
 
 def list_assets(
-    session: Session, caller: Principal, cursor: str | None, limit: int, kind: AssetKind | None
+    session: Session, caller: Principal, cursor: str | None, limit: int, kind: AssetKind | None, order: AssetOrder
 ) -> Page[AssetView]:
     """Return a page of the caller's assets, newest first."""
-    found, following = assets.list_assets(session, caller.owner, cursor, limit, kind)
+    found, following = assets.list_assets(session, caller.owner, cursor, limit, kind, order)
     return Page(items=[assets.view(asset) for asset in found], next_cursor=following)
 
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 from uuid import UUID
 
 from anyio.to_thread import run_sync
-from fastapi import APIRouter, Request, Response
+from fastapi import APIRouter, Query, Request, Response
 from starlette.responses import StreamingResponse
 
-from shapery_contracts.api import BatchView, Page
+from shapery_contracts.api import BatchOrder, BatchView, Page
 from shapery_gateway.batches import service
 from shapery_gateway.batches.ndjson import MEDIA_TYPE
 from shapery_gateway.dependencies import BackendDep, Cursor, Limit, Reader, ReadSession, Writer, WriteSession
@@ -68,9 +68,15 @@ async def create_batch(
 
 
 @router.get("", operation_id="listBatches", summary="List your batches", responses=problems(*COMMON_PROBLEMS))
-def list_batches(session: ReadSession, caller: Reader, cursor: Cursor = None, limit: Limit = 50) -> Page[BatchView]:
-    """Newest first."""
-    return service.list_batches(session, caller, cursor, limit)
+def list_batches(
+    session: ReadSession,
+    caller: Reader,
+    cursor: Cursor = None,
+    limit: Limit = 50,
+    order: Annotated[BatchOrder, Query(description="By what, upwards; downwards with a minus.")] = "-created",
+) -> Page[BatchView]:
+    """Newest first, if no other order is asked for."""
+    return service.list_batches(session, caller, cursor, limit, order)
 
 
 @router.get(

@@ -12,7 +12,7 @@ from fastapi.exceptions import RequestValidationError
 from pydantic import ValidationError
 from sqlalchemy.orm import Session
 
-from shapery_contracts.api import BatchCreate, BatchHeader, BatchItem, BatchView, Page
+from shapery_contracts.api import BatchCreate, BatchHeader, BatchItem, BatchOrder, BatchView, Page
 from shapery_gateway import outbox
 from shapery_gateway.backend import Backend
 from shapery_gateway.batches.ndjson import MEDIA_TYPE, read_batch
@@ -63,9 +63,11 @@ def get(session: Session, caller: Principal, batch_id: UUID) -> BatchView:
     return batches.view(session, batches.get(session, caller.owner, batch_id))
 
 
-def list_batches(session: Session, caller: Principal, cursor: str | None, limit: int) -> Page[BatchView]:
+def list_batches(
+    session: Session, caller: Principal, cursor: str | None, limit: int, order: BatchOrder
+) -> Page[BatchView]:
     """Return a page of the caller's batches, newest first."""
-    found, following = batches.list_batches(session, caller.owner, cursor, limit)
+    found, following = batches.list_batches(session, caller.owner, cursor, limit, order)
     return Page(items=found, next_cursor=following)
 
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections import Counter
+from typing import Annotated, get_origin
 
-from fastapi import Depends, Header, Query
+from fastapi import Depends, Header, Query, Request
+
+from shapery_contracts.errors import InvalidInput
 
 MAX_SEQ = 2**31 - 1
 
@@ -38,3 +41,19 @@ async def last_event(
 
 
 LastEvent = Annotated[int, Depends(last_event)]
+
+
+async def refuse_repeated(request: Request) -> None:
+    """Refuse a query parameter that is given twice and takes one value: nobody knows which is meant.
+
+    Raises
+    ------
+    InvalidInput
+        ``validation_failed``.
+    """
+    given = Counter(name for name, _ in request.query_params.multi_items())
+    if given.total() == len(given):
+        return
+    for parameter in request.scope["route"].dependant.query_params:
+        if given[parameter.alias] > 1 and get_origin(parameter.field_info.annotation) is not list:
+            raise InvalidInput("validation_failed", f"The parameter {parameter.alias!r} is given more than once.")

@@ -8,7 +8,7 @@ from uuid import UUID
 from anyio.to_thread import run_sync
 from fastapi import APIRouter, Body, Query, Request, Response
 
-from shapery_contracts.api import JobCreate, JobView, Page
+from shapery_contracts.api import JobCreate, JobOrder, JobView, Page
 from shapery_contracts.states import JobState
 from shapery_gateway.dependencies import BackendDep, Cursor, Limit, Reader, ReadSession, Writer, WriteSession
 from shapery_gateway.http.content import content_response
@@ -87,9 +87,13 @@ def list_jobs(
         str | None, Query(max_length=64, pattern=r"^[a-z0-9-]+$", description="Only jobs of this kind.")
     ] = None,
     batch_id: Annotated[UUID | None, Query(description="Only jobs of this batch.")] = None,
+    name: Annotated[
+        str | None, Query(min_length=1, max_length=255, description="Only jobs with this text in their name.")
+    ] = None,
+    order: Annotated[JobOrder, Query(description="By what, upwards; downwards with a minus.")] = "-created",
 ) -> Page[JobView]:
-    """Newest first."""
-    return service.list_jobs(session, caller, cursor, limit, state, kind, batch_id)
+    """Newest first, if no other order is asked for. Jobs that have not ended, or never began, took the least time."""
+    return service.list_jobs(session, caller, cursor, limit, state, kind, batch_id, name, order)
 
 
 @router.get(

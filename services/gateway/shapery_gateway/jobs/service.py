@@ -7,7 +7,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from shapery_contracts.api import JobCreate, JobView, Page
+from shapery_contracts.api import JobCreate, JobOrder, JobView, Page
 from shapery_contracts.errors import InvalidInput
 from shapery_contracts.states import JobState
 from shapery_gateway import outbox
@@ -43,9 +43,12 @@ def list_jobs(
     state: JobState | None,
     kind: str | None,
     batch_id: UUID | None,
+    name: str | None,
+    order: JobOrder,
 ) -> Page[JobView]:
-    """Return a page of the caller's jobs, newest first."""
-    found, following = jobs.list_jobs(session, caller.owner, cursor, limit, state, kind, batch_id)
+    """Return a page of the caller's jobs."""
+    refuse_unstorable(name, "The filter")
+    found, following = jobs.list_jobs(session, caller.owner, cursor, limit, state, kind, batch_id, name, order)
     return Page(items=[jobs.view(job) for job in found], next_cursor=following)
 
 

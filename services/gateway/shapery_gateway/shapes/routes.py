@@ -10,7 +10,7 @@ from fastapi import APIRouter, Query, Request, Response
 from starlette.convertors import StringConvertor, register_url_convertor
 
 from shapery_contracts.api import JobView, Page
-from shapery_contracts.shapes import LabelCount, ShapeDetail, ShapeUpdate, ShapeView
+from shapery_contracts.shapes import LabelCount, ShapeDetail, ShapeOrder, ShapeUpdate, ShapeView
 from shapery_gateway.dependencies import BackendDep, Cursor, Limit, Reader, ReadSession, Writer, WriteSession
 from shapery_gateway.http.content import content_response
 from shapery_gateway.http.documentation import CONTENT_PARAMETERS, CONTENT_PROBLEMS, CONTENT_RESPONSES
@@ -55,10 +55,11 @@ def list_shapes(
         bool, Query(description="Only shapes that an older version has indexed, which searches do not see.")
     ] = False,
     job_id: Annotated[UUID | None, Query(description="Only the shape that this job has indexed last.")] = None,
+    order: Annotated[ShapeOrder, Query(description="By what, upwards; downwards with a minus.")] = "-created",
 ) -> Page[ShapeView]:
-    """Newest first."""
+    """Newest first, if no other order is asked for."""
     return service.list_shapes(
-        session, caller, cursor, limit, collection, label, name, outdated=outdated, job_id=job_id
+        session, caller, cursor, limit, collection, label, name, outdated=outdated, job_id=job_id, order=order
     )
 
 

@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 
 from shapery_contracts.api import JobCreate, JobView, Page
 from shapery_contracts.errors import InvalidInput
-from shapery_contracts.shapes import LabelCount, ShapeDetail, ShapeUpdate, ShapeView
+from shapery_contracts.shapes import LabelCount, ShapeDetail, ShapeOrder, ShapeUpdate, ShapeView
 from shapery_gateway import outbox
 from shapery_gateway.assets.service import stored_content
 from shapery_gateway.backend import Backend
@@ -34,8 +34,9 @@ def list_shapes(
     *,
     outdated: bool,
     job_id: UUID | None,
+    order: ShapeOrder,
 ) -> Page[ShapeView]:
-    """Return a page of the caller's shapes, newest first."""
+    """Return a page of the caller's shapes."""
     refuse_unstorable([collection, name, list(label)], "The filter")
     found, following = shapes.list_shapes(
         session,
@@ -47,6 +48,7 @@ def list_shapes(
         name=name,
         outdated=outdated,
         job_id=job_id,
+        order=order,
     )
     return Page(items=[shapes.view(shape) for shape in found], next_cursor=following)
 

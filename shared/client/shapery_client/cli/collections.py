@@ -11,6 +11,7 @@ import typer
 from shapery_client.cli._output import JsonOption, print_json, print_table, stdout
 from shapery_client.cli._server import DEFAULT_SERVER, KeyOption, ServerOption, connect
 from shapery_contracts.errors import InvalidInput
+from shapery_contracts.shapes import ShapeOrder
 
 collections_app = typer.Typer(help="Make, list and delete collections of shapes on a server.", no_args_is_help=True)
 shapes_app = typer.Typer(help="List, show, fetch and delete shapes of a server.", no_args_is_help=True)
@@ -99,13 +100,15 @@ def list_shapes(
     label: LabelOption = None,
     name: Annotated[str | None, typer.Option(help="Only shapes with this text in their name.")] = None,
     outdated: Annotated[bool, typer.Option("--outdated", help="Only those that an older version has indexed.")] = False,
+    order: Annotated[ShapeOrder, typer.Option(help="By what, upwards; downwards with a minus.")] = "-created",
     server: ServerOption = DEFAULT_SERVER,
     api_key: KeyOption = None,
     json: JsonOption = False,
 ) -> None:
     """List the shapes."""
     with connect(server, api_key) as client:
-        found = list(client.shapes(collection=collection, labels=parse_labels(label), name=name, outdated=outdated))
+        labels = parse_labels(label)
+        found = list(client.shapes(collection=collection, labels=labels, name=name, outdated=outdated, order=order))
     if json:
         print_json(found)
         return

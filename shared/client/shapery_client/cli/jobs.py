@@ -13,7 +13,7 @@ import typer
 from shapery_client.cli._following import follow
 from shapery_client.cli._output import JsonOption, print_json, print_table, stdout
 from shapery_client.cli._server import DEFAULT_SERVER, KeyOption, ServerOption, connect
-from shapery_contracts.api import JobView
+from shapery_contracts.api import JobOrder, JobView
 from shapery_contracts.errors import InvalidInput
 from shapery_contracts.states import JobState
 
@@ -25,23 +25,26 @@ JobArgument = Annotated[UUID, typer.Argument(help="The job's id.", metavar="JOB"
 def list_jobs(
     state: Annotated[JobState | None, typer.Option(help="Only jobs in this state.")] = None,
     kind: Annotated[str | None, typer.Option(help="Only jobs of this kind.")] = None,
+    name: Annotated[str | None, typer.Option(help="Only jobs with this text in their name.")] = None,
+    order: Annotated[JobOrder, typer.Option(help="By what, upwards; downwards with a minus.")] = "-created",
     limit: Annotated[int, typer.Option(min=1, help="How many at the most.")] = 20,
     server: ServerOption = DEFAULT_SERVER,
     api_key: KeyOption = None,
     json: JsonOption = False,
 ) -> None:
-    """List jobs, newest first."""
-    filters = {name: value for name, value in (("state", state), ("kind", kind)) if value is not None}
+    """List jobs, newest first if no other order is asked for."""
+    asked = {"state": state, "kind": kind, "name": name, "order": order}
+    filters = {key: value for key, value in asked.items() if value is not None}
     with connect(server, api_key) as client:
         found = list(islice(client.jobs(**filters), limit))
     if json:
         print_json(found)
         return
     rows = [
-        (job.id, job.kind, job.state, f"{job.fraction:.0%}", f"{job.created_at:%Y-%m-%d %H:%M}", _reason(job))
+        (job.id, job.name, job.kind, job.state, f"{job.fraction:.0%}", f"{job.created_at:%Y-%m-%d %H:%M}", _reason(job))
         for job in found
     ]
-    print_table(("job", "kind", "state", "done", "created (UTC)", ""), rows, "There are no such jobs.")
+    print_table(("job", "name", "kind", "state", "done", "created (UTC)", ""), rows, "There are no such jobs.")
 
 
 @app.command()

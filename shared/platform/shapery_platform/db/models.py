@@ -110,7 +110,7 @@ class Asset(Base):
     """An uploaded file of an owner."""
 
     __tablename__ = "assets"
-    __table_args__ = (Index(None, "owner", "id"), Index(None, "sha256"))
+    __table_args__ = (Index(None, "owner", "id"), Index(None, "owner", "filename", "id"), Index(None, "sha256"))
 
     id: Mapped[UUID] = mapped_column(primary_key=True, default=new_id)
     owner: Mapped[str] = mapped_column(String(64))
@@ -185,6 +185,8 @@ class Job(Base):
         Index("ix_jobs_owner_id", "owner", "id"),
         Index("ix_jobs_owner_state_id", "owner", "state", "id"),
         Index("ix_jobs_owner_kind_id", "owner", "kind", "id"),
+        Index("ix_jobs_owner_name_id", "owner", "name", "id"),
+        Index("ix_jobs_owner_took_id", "owner", "took", "id"),
         Index("ix_jobs_batch_id_state", "batch_id", "state"),
         # what the reaper and the dispatcher ask every second stays small however many jobs have ended
         Index(
@@ -246,6 +248,10 @@ class Job(Base):
     expired: Mapped[bool] = mapped_column(default=False)
     preview: Mapped[int] = mapped_column(Integer, default=0, server_default=text("0"))
     """Number of its preview, which is that of the event that told of it; 0: there is none."""
+    name: Mapped[str] = mapped_column(String(255), default="", server_default=text("''"))
+    """What people know it by: the file name of the first asset of its first input, also after that was deleted."""
+    took: Mapped[float] = mapped_column(Float, default=-1.0, server_default=text("-1"))
+    """Seconds from its start to its end; -1 while it has not ended, and where it never began."""
 
     inputs: Mapped[list[JobInput]] = relationship(
         lazy="selectin", order_by="(JobInput.name, JobInput.position)", viewonly=True
@@ -340,6 +346,7 @@ class Shape(Base):
     __tablename__ = "shapes"
     __table_args__ = (
         Index(None, "owner", "id"),
+        Index(None, "owner", "name", "id"),
         Index(None, "owner", "revision"),
         Index(None, "collection_id", "id"),
         Index(None, "collection_id", "index_version"),  # holds all that counting needs

@@ -53,9 +53,10 @@ def create(
     kind = get_kind(request.kind)
     params = validated_params(kind, request.params)
     inputs = checked_names(kind, request.inputs)
-    check_assets(session, owner, kind, [inputs])
+    names = check_assets(session, owner, kind, [inputs])
     now = utc_now()
     row = job_row(settings, owner, kind, params, print_, now)
+    row["name"] = job_name(inputs, names)
     row.update(idempotency_key=key, batch_id=batch_id, batch_index=index)
     try:
         with session.begin_nested():
@@ -160,23 +161,34 @@ def checked_names(kind: JobKind, inputs: Inputs, where: str = "") -> dict[str, l
     return listed
 
 
-def check_assets(session: Session, owner: str, kind: JobKind, items: Collection[Mapping[str, Sequence[UUID]]]) -> None:
-    """Check that all inputs exist, belong to the owner and are of the right kind; keep them until the commit."""
+def check_assets(
+    session: Session, owner: str, kind: JobKind, items: Collection[Mapping[str, Sequence[UUID]]]
+) -> dict[UUID, str]:
+    """Check that all inputs exist, belong to the owner and are of the right kind; keep them until the commit.
+
+    Returns their file names.
+    """
     wanted = {asset_id for inputs in items for ids in inputs.values() for asset_id in ids}
-    kinds = asset_repository.kinds_for_use(session, owner, wanted)
+    assets = asset_repository.for_use(session, owner, wanted)
     for index, inputs in enumerate(items):
         where = f"Item {index}: " if len(items) > 1 else ""
         for name, ids in inputs.items():
             for asset_id in ids:
-                found = kinds.get(asset_id)
-                if found is None:
+                if asset_id not in assets:
                     raise InvalidInput("not_found", f"{where}Input {name!r}: there is no asset {asset_id}.")
+                found = assets[asset_id].kind
                 if AssetKind(found) not in kind.inputs[name].kinds:
                     allowed = " or ".join(sorted(kind.inputs[name].kinds))
                     raise InvalidInput(
                         "wrong_input_kind",
                         f"{where}Input {name!r}: the asset {asset_id} is a {found}, and a {allowed} is needed.",
                     )
+    return {asset_id: asset.filename for asset_id, asset in assets.items()}
+
+
+def job_name(inputs: Mapping[str, Sequence[UUID]], names: Mapping[UUID, str]) -> str:
+    """Return what people know a job by: the file name of the first asset of its first input, or nothing."""
+    return next((names[ids[0]] for ids in inputs.values()), "")
 
 
 def job_row(

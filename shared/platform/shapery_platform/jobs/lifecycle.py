@@ -205,7 +205,7 @@ def retry(session: Session, owner: str, job_id: UUID) -> Job:
         raise not_found(job_id)
     target_state(row.state, JobAction.RETRY)
     wanted = set(session.scalars(repository.input_ids([job_id])))
-    missing = wanted - asset_repository.kinds_for_use(session, owner, wanted).keys()
+    missing = wanted - asset_repository.for_use(session, owner, wanted).keys()
     if missing:
         raise InvalidInput(
             "input_expired",
@@ -225,6 +225,7 @@ def retried() -> dict[str, Any]:
         "attempt": 0,
         "started_at": None,
         "finished_at": None,
+        "took": -1.0,
         "expires_at": None,
         "expired": False,
         "result": None,
@@ -244,6 +245,7 @@ def _ended(row: Row[Any], now: datetime) -> dict[str, Any]:
         "lease": None,
         "heartbeat_at": None,
         "finished_at": now,
+        "took": -1.0 if row.started_at is None else (now - row.started_at).total_seconds(),
         "expires_at": now + timedelta(seconds=row.result_ttl),
     }
 

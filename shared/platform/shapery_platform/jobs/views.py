@@ -8,12 +8,12 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from shapery_contracts.api import ArtifactView, JobErrorView, JobEvent, JobView
+from shapery_contracts.api import ArtifactView, JobErrorView, JobEvent, JobOrder, JobView
 from shapery_contracts.errors import InvalidInput
 from shapery_contracts.states import JobState
 from shapery_platform.db.models import Job, JobArtifact
 from shapery_platform.db.repositories import jobs as repository
-from shapery_platform.paging import checked_limit, cut_page, parse_cursor
+from shapery_platform.paging import NEWEST_FIRST, checked_limit, cut_page, parse_sort
 
 
 def get(session: Session, owner: str, job_id: UUID) -> Job:
@@ -32,11 +32,17 @@ def list_jobs(
     state: JobState | None = None,
     kind: str | None = None,
     batch_id: UUID | None = None,
+    name: str | None = None,
+    order: JobOrder = NEWEST_FIRST,
 ) -> tuple[list[Job], str | None]:
-    """Return a page of jobs, the newest first, and the cursor of the next one."""
+    """Return a page of jobs in an order, and the cursor of the next one; `name` is a text in their name.
+
+    Jobs that have not ended, or never began, took less time than any other.
+    """
     limit = checked_limit(limit)
-    rows = repository.page(session, owner, parse_cursor(cursor), limit + 1, state=state, kind=kind, batch_id=batch_id)
-    return cut_page(rows, limit, lambda job: job.id)
+    sort = parse_sort(cursor, order, repository.ORDERS)
+    rows = repository.page(session, owner, sort, limit + 1, state=state, kind=kind, batch_id=batch_id, name=name)
+    return cut_page(rows, limit, sort, repository.ORDERS)
 
 
 def view(job: Job) -> JobView:
@@ -49,6 +55,7 @@ def view(job: Job) -> JobView:
         error = JobErrorView(code=job.error_code, message=job.error_message or "", hint=job.error_hint or "")
     return JobView(
         id=job.id,
+        name=job.name,
         kind=job.kind,
         state=job.state,
         inputs=inputs,

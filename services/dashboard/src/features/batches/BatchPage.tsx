@@ -4,8 +4,8 @@ import { getRouteApi } from "@tanstack/react-router";
 import { Download, RotateCcw, X } from "lucide-react";
 import { useEffect, useState } from "react";
 import { batchQuery, useBatchAction } from "@/api/batches";
-import { jobsQuery, useAssetNames } from "@/api/queries";
-import type { Batch, JobState } from "@/api/types";
+import { jobsQuery } from "@/api/queries";
+import type { Batch, JobOrder, JobState } from "@/api/types";
 import { LinkAnchor, LinkButton } from "@/app/links";
 import { Failure, Waiting } from "@/app/Notice";
 import { One } from "@/app/One";
@@ -13,7 +13,7 @@ import { Page } from "@/app/Page";
 import { sayFailure } from "@/app/say";
 import { useNow } from "@/app/useNow";
 import { JobTable } from "@/features/jobs/JobTable";
-import { mainInput } from "@/features/jobs/naming";
+import { NEWEST_FIRST, pageNames } from "@/features/jobs/sorting";
 import { SaveLink } from "@/features/jobs/SaveLink";
 import { ago, capital, moment } from "@/format/format";
 import { BatchProgress } from "./BatchProgress";
@@ -109,11 +109,16 @@ function LoadedBatch({ batch }: { batch: Batch }) {
 /** The batch's jobs; what failed comes first where anything did. */
 function BatchJobs({ batch }: { batch: Batch }) {
   const [asked, setAsked] = useState<JobState | "all" | null>(null);
+  const [order, setOrder] = useState<JobOrder>(NEWEST_FIRST);
   const [cursors, setCursors] = useState<readonly string[]>([]);
+  const reorder = (order: JobOrder) => {
+    setOrder(order);
+    setCursors([]);
+  };
   const worst = count(batch, "failed") > 0 ? "failed" : count(batch, "crashed") > 0 ? "crashed" : "all";
   const shown = asked ?? (batch.finished ? worst : "all");
   const jobs = useQuery({
-    ...jobsQuery({ batch: batch.id, ...(shown === "all" ? {} : { state: shown }), cursor: cursors.at(-1) }),
+    ...jobsQuery({ batch: batch.id, ...(shown === "all" ? {} : { state: shown }), order, cursor: cursors.at(-1) }),
     placeholderData: keepPreviousData,
     refetchInterval: batch.finished ? false : 2_000,
   });
@@ -123,7 +128,6 @@ function BatchJobs({ batch }: { batch: Batch }) {
     void refetch({ cancelRefetch: false });
   }, [batch.finished, refetch]);
   const items = jobs.data?.items ?? [];
-  const assets = useAssetNames(items.flatMap((job) => mainInput(job) ?? []));
   const next = jobs.data?.next_cursor;
   const states = SHOWN.filter((state) => count(batch, state) > 0 || state === shown);
   return (
@@ -155,7 +159,7 @@ function BatchJobs({ batch }: { batch: Batch }) {
           No job of this batch is in this state any more.
         </Text>
       ) : (
-        <JobTable jobs={items} assets={assets} stale={jobs.isPlaceholderData} />
+        <JobTable jobs={items} order={order} onOrder={reorder} stale={jobs.isPlaceholderData} />
       )}
       {(cursors.length > 0 || next) && (
         <Group justify="space-between" mt="md">
@@ -165,10 +169,10 @@ function BatchJobs({ batch }: { batch: Batch }) {
             disabled={cursors.length === 0}
             onClick={() => setCursors(cursors.slice(0, -1))}
           >
-            Newer
+            {pageNames(order).before}
           </Button>
           <Button variant="default" size="sm" disabled={!next} onClick={() => next && setCursors([...cursors, next])}>
-            Older
+            {pageNames(order).after}
           </Button>
         </Group>
       )}

@@ -2,13 +2,13 @@ import { Paper, SimpleGrid, Stack, Text, Title } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { Link, type LinkProps } from "@tanstack/react-router";
 import { Brain, Film, Layers, type LucideIcon, Shapes } from "lucide-react";
-import { jobsQuery, kindsQuery, useAssetNames } from "@/api/queries";
+import { jobsQuery, kindsQuery } from "@/api/queries";
 import { isTerminal, type JobKind } from "@/api/types";
 import { LinkAnchor } from "@/app/links";
 import { Failure, Waiting } from "@/app/Notice";
 import { Page } from "@/app/Page";
 import { useNow } from "@/app/useNow";
-import { jobName, mainInput, outcome } from "@/features/jobs/naming";
+import { jobName, outcome } from "@/features/jobs/naming";
 import { StateBadge } from "@/features/jobs/StateBadge";
 import { ago, percent } from "@/format/format";
 import classes from "./home.module.css";
@@ -104,7 +104,6 @@ function RecentWork() {
     refetchInterval: ({ state }) => (state.data?.items.some((job) => !isTerminal(job.state)) ? 2_000 : 10_000),
   });
   const items = (jobs.data?.items ?? []).slice(0, SHOWN);
-  const assets = useAssetNames(items.flatMap((job) => mainInput(job) ?? []));
   const now = useNow(10_000);
   return (
     <section aria-labelledby="recent">
@@ -131,7 +130,7 @@ function RecentWork() {
       ) : (
         <ul className={classes.recent}>
           {items.map((job) => {
-            const name = jobName(job, assets);
+            const name = jobName(job);
             return (
               <li key={job.id}>
                 <LinkAnchor

@@ -66,7 +66,7 @@ function LoadedJob({ job }: { job: Job }) {
     refetchInterval: 1_500,
   });
   const assets = useAssetNames(Object.values(job.inputs).flatMap((ids) => ids.slice(0, 1)));
-  const name = jobName(job, assets);
+  const name = jobName(job);
   return (
     <Page
       title={name}
@@ -139,7 +139,7 @@ function Lead({ job }: { job: Job }) {
 
 function Body({ job, assets }: { job: Job; assets: ReadonlyMap<string, Asset> }) {
   if (!isTerminal(job.state)) return <Underway job={job} assets={assets} />;
-  const name = jobName(job, assets);
+  const name = jobName(job);
   // A shape stays when the files of its job have expired.
   if (job.state === "succeeded" && (job.kind === "shape-index" || isSearchResult(job.result))) {
     return (

@@ -1,45 +1,45 @@
 import { Box, Group, Progress, Table, type TableThProps, Text, UnstyledButton } from "@mantine/core";
 import { ArrowDown, ArrowUp, ArrowUpDown } from "lucide-react";
-import { useState } from "react";
-import { type Asset, isTerminal, type Job } from "@/api/types";
+import { isTerminal, type Job, type JobOrder } from "@/api/types";
 import { LinkAnchor } from "@/app/links";
 import { useNow } from "@/app/useNow";
 import { ago, capital, duration, moment, percent } from "@/format/format";
 import { JobActions } from "./JobActions";
 import classes from "./jobs.module.css";
 import { jobName, outcome, workName } from "./naming";
-import { type Column, type Order, sorted } from "./sorting";
+import { type Column, reordered, sortOf } from "./sorting";
 import { StateBadge } from "./StateBadge";
 
 interface JobTableProps {
   jobs: readonly Job[];
-  assets: ReadonlyMap<string, Asset>;
+  order: JobOrder;
+  onOrder: (order: JobOrder) => void;
   /** Whether these are still those of the page or filter before. */
   stale: boolean;
 }
 
 /** Jobs, one a row, with how they are now. */
-export function JobTable({ jobs, assets, stale }: JobTableProps) {
+export function JobTable({ jobs, order, onOrder, stale }: JobTableProps) {
   const now = useNow(jobs.some((job) => !isTerminal(job.state)) ? 1_000 : 30_000);
-  const [order, setOrder] = useState<Order | null>(null);
+  const head = { order, onOrder };
   return (
     <Box className={classes.frame} aria-busy={stale}>
       <Table highlightOnHover verticalSpacing="sm" horizontalSpacing="md" className={classes.table ?? ""}>
         <Table.Thead>
           <Table.Tr>
-            <Head by="name" label="Job" order={order} onOrder={setOrder} />
-            <Head by="state" label="State" order={order} onOrder={setOrder} w={130} />
+            <Head by="name" label="Job" {...head} />
+            <Head by="state" label="State" {...head} w={130} />
             <Table.Th w="36%">Progress and outcome</Table.Th>
-            <Head by="took" label="Took" order={order} onOrder={setOrder} w={116} visibleFrom="md" />
-            <Head by="created" label="Created" order={order} onOrder={setOrder} w={150} visibleFrom="md" />
+            <Head by="took" label="Took" {...head} w={116} visibleFrom="md" />
+            <Head by="created" label="Created" {...head} w={150} visibleFrom="md" />
             <Table.Th w={110}>
               <span className={classes.unseen}>Actions</span>
             </Table.Th>
           </Table.Tr>
         </Table.Thead>
         <Table.Tbody>
-          {sorted(jobs, order, assets, now).map((job) => (
-            <JobRow key={job.id} job={job} name={jobName(job, assets)} now={now} />
+          {jobs.map((job) => (
+            <JobRow key={job.id} job={job} name={jobName(job)} now={now} />
           ))}
         </Table.Tbody>
       </Table>
@@ -50,20 +50,22 @@ export function JobTable({ jobs, assets, stale }: JobTableProps) {
 interface HeadProps extends Pick<TableThProps, "w" | "visibleFrom"> {
   by: Column;
   label: string;
-  order: Order | null;
-  onOrder: (order: Order | null) => void;
+  order: JobOrder;
+  onOrder: (order: JobOrder) => void;
 }
 
-/** The head of a column that sorts what is on the page: upwards, downwards, and as it was. */
+const ICONS = { ascending: ArrowUp, descending: ArrowDown, none: ArrowUpDown };
+
+/** The head of a column that the list is sorted by, all of it and not the page alone. */
 function Head({ by, label, order, onOrder, ...others }: HeadProps) {
-  const own = order?.by === by ? order : null;
-  const Icon = own ? (own.descending ? ArrowDown : ArrowUp) : ArrowUpDown;
+  const sorted = sortOf(order, by);
+  const Icon = ICONS[sorted];
   return (
-    <Table.Th aria-sort={own ? (own.descending ? "descending" : "ascending") : "none"} {...others}>
+    <Table.Th aria-sort={sorted} {...others}>
       <UnstyledButton
         className={classes.head ?? ""}
-        data-on={own !== null || undefined}
-        onClick={() => onOrder(own?.descending ? null : { by, descending: own !== null })}
+        data-on={sorted !== "none" || undefined}
+        onClick={() => onOrder(reordered(order, by))}
       >
         {label}
         <Icon size={13} aria-hidden="true" />

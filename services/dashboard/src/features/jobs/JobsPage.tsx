@@ -3,15 +3,19 @@ import { keepPreviousData, useQuery } from "@tanstack/react-query";
 import { getRouteApi, useNavigate } from "@tanstack/react-router";
 import { ArrowLeft, ArrowRight, ListChecks, Upload } from "lucide-react";
 import { useState } from "react";
-import { jobsQuery, kindsQuery, useAssetNames } from "@/api/queries";
+import { jobsQuery, kindsQuery } from "@/api/queries";
 import { isTerminal, JOB_STATES, type JobState } from "@/api/types";
 import { useLiveJobs } from "@/api/useLiveJobs";
 import { LinkButton } from "@/app/links";
 import { Empty, Failure, Waiting } from "@/app/Notice";
+import { NameFilter } from "@/app/NameFilter";
 import { Page } from "@/app/Page";
+import { given } from "@/app/given";
+import type { JobsSearch } from "@/app/router";
 import { capital } from "@/format/format";
 import { JobTable } from "./JobTable";
-import { mainInput, workName } from "./naming";
+import { workName } from "./naming";
+import { NEWEST_FIRST, pageNames } from "./sorting";
 
 /** A browser opens six connections to a host: two may stay open for events, the rest is for everything else. */
 const STREAMS = 2;
@@ -32,32 +36,25 @@ export function JobsPage() {
   const active = items.filter((job) => !isTerminal(job.state));
   const running = active.filter((job) => job.state !== "queued");
   useLiveJobs([...running, ...active.filter((job) => job.state === "queued")].slice(0, STREAMS).map((job) => job.id));
-  const assets = useAssetNames(items.flatMap((job) => mainInput(job) ?? []));
+  const order = search.order ?? NEWEST_FIRST;
+  const pages = pageNames(order);
   // Where the pages before this one began, for the way back; a page opened by its address knows only the first.
   const [trail, setTrail] = useState<readonly (string | undefined)[]>([]);
 
-  const state = search.state ? { state: search.state } : {};
-  const kind = search.kind ? { kind: search.kind } : {};
-  const filter = (value: string) => {
+  /** Another list begins with its first page. */
+  const change = (changed: Partial<JobsSearch>) => {
     setTrail([]);
-    void navigate({ search: value === "all" ? kind : { ...kind, state: value as JobState } });
+    void navigate({ search: (before) => given({ ...before, ...changed, cursor: undefined }) });
   };
-  const filterKind = (value: string | null) => {
-    setTrail([]);
-    void navigate({ search: value ? { ...state, kind: value } : state });
-  };
+  const filter = (value: string) => change({ state: value === "all" ? undefined : (value as JobState) });
   const older = () => {
     setTrail([...trail, search.cursor]);
-    void navigate({
-      search: { ...search, cursor: jobs.data?.next_cursor ?? undefined },
-    });
+    void navigate({ search: given({ ...search, cursor: jobs.data?.next_cursor ?? undefined }) });
   };
   const newer = () => {
     const cursor = trail.at(-1);
     setTrail(trail.slice(0, -1));
-    void navigate({
-      search: { ...state, ...kind, ...(cursor ? { cursor } : {}) },
-    });
+    void navigate({ search: given({ ...search, cursor }) });
   };
 
   return (
@@ -100,7 +97,12 @@ export function JobsPage() {
           clearable
           data={(kinds.data ?? []).map(({ name }) => ({ value: name, label: workName(name) }))}
           value={search.kind ?? null}
-          onChange={filterKind}
+          onChange={(value) => change({ kind: value ?? undefined })}
+        />
+        <NameFilter
+          key={search.name === undefined ? "none" : "some"}
+          name={search.name}
+          onName={(name) => change({ name })}
         />
       </Group>
       {jobs.isPending ? (
@@ -109,11 +111,16 @@ export function JobsPage() {
         <Failure error={jobs.error} onRetry={() => void jobs.refetch()} />
       ) : items.length === 0 ? (
         <NoJobs
-          filtered={search.state !== undefined || search.kind !== undefined}
+          filtered={[search.state, search.kind, search.name].some((value) => value !== undefined)}
           paged={search.cursor !== undefined}
         />
       ) : (
-        <JobTable jobs={items} assets={assets} stale={jobs.isPlaceholderData} />
+        <JobTable
+          jobs={items}
+          order={order}
+          onOrder={(order) => change({ order: order === NEWEST_FIRST ? undefined : order })}
+          stale={jobs.isPlaceholderData}
+        />
       )}
       {(search.cursor || jobs.data?.next_cursor) && (
         <Group justify="space-between" mt="md" component="nav" aria-label="Pages of jobs">
@@ -124,7 +131,7 @@ export function JobsPage() {
             disabled={!search.cursor}
             onClick={newer}
           >
-            {trail.length > 0 || !search.cursor ? "Newer" : "Newest"}
+            {trail.length > 0 || !search.cursor ? pages.before : order === NEWEST_FIRST ? "Newest" : "First"}
           </Button>
           <Button
             variant="default"
@@ -133,7 +140,7 @@ export function JobsPage() {
             disabled={!jobs.data?.next_cursor || jobs.isPlaceholderData}
             onClick={older}
           >
-            Older
+            {pages.after}
           </Button>
         </Group>
       )}
@@ -144,7 +151,7 @@ export function JobsPage() {
 function NoJobs({ filtered, paged }: { filtered: boolean; paged: boolean }) {
   if (filtered || paged) {
     return (
-      <Empty icon={<ListChecks size={32} />} title={paged ? "No older jobs" : "No job is like that"}>
+      <Empty icon={<ListChecks size={32} />} title={paged ? "No further jobs" : "No job is like that"}>
         <LinkButton to="/jobs" variant="default" mt="sm">
           Show all jobs
         </LinkButton>

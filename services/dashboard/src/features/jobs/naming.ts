@@ -1,4 +1,4 @@
-import type { Asset, Job } from "@/api/types";
+import type { Job } from "@/api/types";
 import { isSegmentationResult } from "@/features/segmentation/params";
 import { isMotionResult } from "@/features/motion/result";
 import { isIndexResult, isSearchResult } from "@/features/shapes/result";
@@ -22,9 +22,8 @@ export function mainInput(job: Pick<Job, "inputs">): string | null {
   return (job.inputs.post ?? Object.values(job.inputs)[0])?.[0] ?? null;
 }
 
-export function jobName(job: Job, assets: ReadonlyMap<string, Asset>): string {
-  const asset = assets.get(mainInput(job) ?? "");
-  return asset ? asset.filename : `Job ${job.id.slice(-8)}`;
+export function jobName({ id, name }: Pick<Job, "id" | "name">): string {
+  return name || `Job ${id.slice(-8)}`;
 }
 
 /** What came out of a job, in a few words. */

@@ -27,6 +27,7 @@ export function Collections({ collections, chosen, onChosen }: CollectionsProps)
   return (
     <nav className={classes.collections} aria-label="Collections">
       <Link
+        from="/shapes"
         to="/shapes"
         search={(before) => ({ ...before, collection: undefined })}
         className={classes.collection}
@@ -39,6 +40,7 @@ export function Collections({ collections, chosen, onChosen }: CollectionsProps)
       {collections?.map((collection) => (
         <div key={collection.id} className={classes.entry}>
           <Link
+            from="/shapes"
             to="/shapes"
             search={(before) => ({ ...before, collection: collection.name })}
             className={classes.collection}

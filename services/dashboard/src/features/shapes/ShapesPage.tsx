@@ -1,12 +1,13 @@
-import { Button, Group, MultiSelect, Select, Stack, Switch, Text, TextInput } from "@mantine/core";
-import { useDebouncedCallback } from "@mantine/hooks";
+import { Button, Group, MultiSelect, Select, Stack, Switch, Text } from "@mantine/core";
 import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
 import { getRouteApi, useNavigate } from "@tanstack/react-router";
 import { ListChecks, Plus, RotateCw, ScanSearch, Search, Shapes, X } from "lucide-react";
 import { type DragEvent, useCallback, useState } from "react";
 import { collectionsQuery, labelsQuery, shapesQuery, useChangeShapes } from "@/api/shapes";
-import type { Collection } from "@/api/types";
+import type { Collection, ShapeOrder } from "@/api/types";
+import { given } from "@/app/given";
 import { LinkButton } from "@/app/links";
+import { NameFilter } from "@/app/NameFilter";
 import { Empty, Failure, Waiting } from "@/app/Notice";
 import { Page } from "@/app/Page";
 import { say, sayFailure } from "@/app/say";
@@ -21,6 +22,13 @@ import { useReindex } from "./useReindex";
 import { Wall } from "./Wall";
 
 const route = getRouteApi("/shapes");
+
+const ORDERS: { value: ShapeOrder; label: string }[] = [
+  { value: "-created", label: "Newest first" },
+  { value: "created", label: "Oldest first" },
+  { value: "name", label: "By name" },
+  { value: "-name", label: "By name, Z first" },
+];
 
 export function ShapesPage() {
   const filter = route.useSearch();
@@ -44,7 +52,7 @@ export function ShapesPage() {
 
   const narrow = (change: Partial<typeof filter>) => {
     setChosen((before) => before && new Set());
-    void navigate({ search: (before) => clean({ ...before, ...change }), replace: true });
+    void navigate({ search: (before) => given({ ...before, ...change }), replace: true });
   };
   const choose = useCallback(
     (id: string, on: boolean) =>
@@ -141,6 +149,16 @@ export function ShapesPage() {
                 Index {outdated === 1 ? "it" : "them"} again
               </Button>
             )}
+            {items.length > 1 && (
+              <Select
+                aria-label="Order"
+                w={150}
+                allowDeselect={false}
+                data={ORDERS}
+                value={filter.order ?? "-created"}
+                onChange={(order) => narrow({ order: order === "-created" ? undefined : (order as ShapeOrder) })}
+              />
+            )}
             {items.length > 0 && (
               <Button
                 variant="default"
@@ -173,32 +191,6 @@ export function ShapesPage() {
       </div>
       <AddShapes picked={picked} collection={filter.collection} onClose={() => setPicked(null)} />
     </Page>
-  );
-}
-
-/** Without what filters nothing, so that addresses stay short. */
-function clean<T extends Record<string, unknown>>(search: T): T {
-  return Object.fromEntries(
-    Object.entries(search).filter(([, value]) => value && (!Array.isArray(value) || value.length > 0)),
-  ) as T;
-}
-
-function NameFilter({ name, onName }: { name: string | undefined; onName: (name: string | undefined) => void }) {
-  const [text, setText] = useState(name ?? "");
-  const tell = useDebouncedCallback((value: string) => onName(value.trim() || undefined), 250);
-  return (
-    <TextInput
-      type="search"
-      aria-label="Text in the name"
-      placeholder="Text in the name"
-      leftSection={<Search size={15} aria-hidden="true" />}
-      maxLength={255}
-      value={text}
-      onChange={(event) => {
-        setText(event.currentTarget.value);
-        tell(event.currentTarget.value);
-      }}
-    />
   );
 }
 

@@ -12,10 +12,20 @@ const kept: WebGLRenderer[] = [];
  * lent to one page after the other instead of being made anew for each.
  */
 export function borrowRenderer(): WebGLRenderer {
-  const renderer = kept.pop() ?? new WebGLRenderer({ antialias: !drawsBySoftware() });
+  const renderer = kept.pop() ?? opaque();
   renderer.setPixelRatio(sharpness());
   renderer.setClearColor("#000000");
   return renderer;
+}
+
+/**
+ * A renderer whose canvas hides what is behind it. A context that three makes has transparency, and the browser then
+ * blends every picture over the page, which takes as long as to draw it where there is no graphics card.
+ */
+function opaque(): WebGLRenderer {
+  const canvas = document.createElement("canvas");
+  const context = canvas.getContext("webgl2", { alpha: false, antialias: !drawsBySoftware() });
+  return new WebGLRenderer({ canvas, ...(context ? { context } : {}) });
 }
 
 /** Pixels of a canvas to one of the page. */

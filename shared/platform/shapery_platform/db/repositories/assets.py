@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from uuid import UUID
 
-from sqlalchemy import select
+from sqlalchemy import Row, select
 from sqlalchemy.orm import Session
 
 from shapery_platform.db.models import Asset
+from shapery_platform.paging import Columns, Sort, arranged
+
+ORDERS: Columns = {"name": Asset.filename}
 
 _AT_ONCE = 500
 """Ids in one condition; SQLite takes 32,766 variables, and a plan for more is slow anyway."""
@@ -22,28 +25,26 @@ def find(session: Session, owner: str, asset_id: UUID, *, lock: bool = False) ->
     return session.scalars(query).one_or_none()
 
 
-def page(session: Session, owner: str, before: UUID | None, limit: int, kind: str | None) -> Sequence[Asset]:
-    """Return assets, the newest first, that are older than `before`."""
+def page(session: Session, owner: str, sort: Sort, limit: int, kind: str | None) -> Sequence[Asset]:
+    """Return assets in an order."""
     query = select(Asset).where(Asset.owner == owner, Asset.deleted_at.is_(None))
-    if before is not None:
-        query = query.where(Asset.id < before)
     if kind is not None:
         query = query.where(Asset.kind == kind)
-    return session.scalars(query.order_by(Asset.id.desc()).limit(limit)).all()
+    return session.scalars(arranged(query, sort, Asset.id, ORDERS).limit(limit)).all()
 
 
-def kinds_for_use(session: Session, owner: str, ids: Collection[UUID]) -> dict[UUID, str]:
-    """Return the kinds of those assets that exist, and keep them from being deleted until the transaction ends."""
+def for_use(session: Session, owner: str, ids: Collection[UUID]) -> dict[UUID, Row[tuple[UUID, str, str]]]:
+    """Return id, kind and file name of assets that exist, and keep these until the transaction ends."""
     wanted = sorted(set(ids))
-    found: dict[UUID, str] = {}
+    found: dict[UUID, Row[tuple[UUID, str, str]]] = {}
     for begin in range(0, len(wanted), _AT_ONCE):
         rows = session.execute(
-            select(Asset.id, Asset.kind)
+            select(Asset.id, Asset.kind, Asset.filename)
             .where(Asset.id.in_(wanted[begin : begin + _AT_ONCE]), Asset.owner == owner, Asset.deleted_at.is_(None))
             .order_by(Asset.id)
             .with_for_update(read=True)
         )
-        found.update({row.id: row.kind for row in rows})
+        found.update({row.id: row for row in rows})
     return found
 
 

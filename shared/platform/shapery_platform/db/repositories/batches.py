@@ -11,6 +11,7 @@ from sqlalchemy.orm import Session
 
 from shapery_contracts.states import JobState
 from shapery_platform.db.models import Asset, Batch, Job, JobInput
+from shapery_platform.paging import Sort, arranged
 
 
 def add(session: Session, values: Mapping[str, Any]) -> None:
@@ -28,12 +29,10 @@ def find_by_idempotency_key(session: Session, owner: str, key: str) -> Batch | N
     return session.scalars(select(Batch).where(Batch.owner == owner, Batch.idempotency_key == key)).one_or_none()
 
 
-def page(session: Session, owner: str, before: UUID | None, limit: int) -> Sequence[Batch]:
-    """Return batches, the newest first, that are older than `before`."""
+def page(session: Session, owner: str, sort: Sort, limit: int) -> Sequence[Batch]:
+    """Return batches in an order."""
     query = select(Batch).where(Batch.owner == owner)
-    if before is not None:
-        query = query.where(Batch.id < before)
-    return session.scalars(query.order_by(Batch.id.desc()).limit(limit)).all()
+    return session.scalars(arranged(query, sort, Batch.id).limit(limit)).all()
 
 
 def counts(session: Session, batch_ids: Sequence[UUID]) -> Sequence[Row[Any]]:

@@ -12,6 +12,7 @@ from sqlalchemy.orm import Session
 
 from shapery_platform.db.models import Collection, Shape
 from shapery_platform.db.types import new_id, utc_now
+from shapery_platform.paging import Sort, arranged
 
 
 def find(session: Session, owner: str, collection_id: UUID, *, lock: bool = False) -> Collection | None:
@@ -43,12 +44,10 @@ def ensure(session: Session, owner: str, name: str) -> UUID:
     return found
 
 
-def page(session: Session, owner: str, before: UUID | None, limit: int) -> Sequence[Collection]:
-    """Return collections, the newest first, that are older than `before`."""
+def page(session: Session, owner: str, sort: Sort, limit: int) -> Sequence[Collection]:
+    """Return collections in an order."""
     query = select(Collection).where(Collection.owner == owner)
-    if before is not None:
-        query = query.where(Collection.id < before)
-    return session.scalars(query.order_by(Collection.id.desc()).limit(limit)).all()
+    return session.scalars(arranged(query, sort, Collection.id).limit(limit)).all()
 
 
 def counts(session: Session, ids: Sequence[UUID], version: int) -> Sequence[Row[Any]]:

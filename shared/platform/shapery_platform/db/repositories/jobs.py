@@ -16,6 +16,9 @@ from sqlalchemy.orm import Session, raiseload
 
 from shapery_contracts.states import JobState
 from shapery_platform.db.models import IS_LIVE, WILL_EXPIRE, Asset, Job, JobArtifact, JobEvent, JobInput, JobPreview
+from shapery_platform.paging import Columns, Sort, arranged
+
+ORDERS: Columns = {"name": Job.name, "state": Job.state, "took": Job.took}
 
 _STATE_COLUMNS = (
     Job.id,
@@ -30,6 +33,7 @@ _STATE_COLUMNS = (
     Job.stage,
     Job.fraction,
     Job.message,
+    Job.started_at,
 )
 
 
@@ -48,26 +52,27 @@ def find_by_idempotency_key(session: Session, owner: str, key: str) -> Job | Non
 def page(
     session: Session,
     owner: str,
-    before: UUID | None,
+    sort: Sort,
     limit: int,
     *,
     state: JobState | None,
     kind: str | None,
     batch_id: UUID | None,
+    name: str | None = None,
 ) -> Sequence[Job]:
-    """Return jobs, the newest first, that are older than `before`."""
+    """Return jobs in an order."""
     # A batch's jobs are few among all those of its owner: a condition on the expression, which no index serves, keeps
     # SQLite from walking through the latter.
     query = select(Job).where((Job.owner if batch_id is None else Job.owner.concat("")) == owner)
-    if before is not None:
-        query = query.where(Job.id < before)
     if state is not None:
         query = query.where(Job.state == state)
     if kind is not None:
         query = query.where(Job.kind == kind)
     if batch_id is not None:
         query = query.where(Job.batch_id == batch_id)
-    return session.scalars(query.order_by(Job.id.desc()).limit(limit)).all()
+    if name is not None:
+        query = query.where(Job.name.icontains(name, autoescape=True))
+    return session.scalars(arranged(query, sort, Job.id, ORDERS).limit(limit)).all()
 
 
 def add_all(session: Session, jobs: Sequence[Mapping[str, Any]], inputs: Sequence[Mapping[str, Any]]) -> None:

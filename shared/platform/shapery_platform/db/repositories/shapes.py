@@ -11,6 +11,9 @@ from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session
 
 from shapery_platform.db.models import Asset, Bank, Shape, ShapeFile, ShapeGraph, ShapeLabel
+from shapery_platform.paging import Columns, Sort, arranged
+
+ORDERS: Columns = {"name": Shape.name}
 
 
 def change_bank(session: Session, owner: str, *, removal: bool = False) -> int:
@@ -41,7 +44,7 @@ def find_all(session: Session, owner: str, ids: Collection[UUID]) -> Sequence[Sh
 def page(
     session: Session,
     owner: str,
-    before: UUID | None,
+    sort: Sort,
     limit: int,
     *,
     collection_id: UUID | None,
@@ -50,19 +53,17 @@ def page(
     outdated_at: int | None,
     job_id: UUID | None = None,
 ) -> Sequence[Shape]:
-    """Return shapes, the newest first, that are older than `before`."""
+    """Return shapes in an order."""
     # As in `jobs.page`: a collection's shapes are few among all those of its owner.
     owned = (Shape.owner if collection_id is None else Shape.owner.concat("")) == owner
     query = select(Shape).where(owned, *narrowed(collection_id, labels))
-    if before is not None:
-        query = query.where(Shape.id < before)
     if name is not None:
         query = query.where(Shape.name.icontains(name, autoescape=True))
     if outdated_at is not None:
         query = query.where(Shape.index_version != outdated_at)
     if job_id is not None:
         query = query.where(Shape.job_id == job_id)
-    return session.scalars(query.order_by(Shape.id.desc()).limit(limit)).all()
+    return session.scalars(arranged(query, sort, Shape.id, ORDERS).limit(limit)).all()
 
 
 def label_counts(
