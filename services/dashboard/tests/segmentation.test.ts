@@ -1,7 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { problemFrom } from "@/api/problem";
 import { changedParams } from "@/features/jobs/changedParams";
-import { drawableName } from "@/features/preview/drawable";
 import { DEFAULTS, parseBox, parseSeeds, readChoices } from "@/features/segmentation/params";
 import { guessRoles, pairUp } from "@/features/segmentation/roles";
 import { LABELS, rgb } from "@/viewers/labels";
@@ -95,12 +94,6 @@ describe("readChoices", () => {
 });
 
 describe("what is drawn", () => {
-  it("goes by the format found, not by the file's name", () => {
-    const drawable = (format: string) => drawableName({ format });
-    expect(drawable("nifti1")).toBe("volume.nii.gz");
-    expect(drawable("metaimage")).toBe("volume.mha");
-    expect(drawable("dicom-zip")).toBeNull();
-  });
   it("has a color of its own for every label", () => {
     expect(new Set(LABELS.map(({ color }) => color)).size).toBe(LABELS.length);
     expect(rgb("#f2a24a")).toEqual([242, 162, 74]);

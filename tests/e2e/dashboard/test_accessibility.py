@@ -46,6 +46,12 @@ def serious(page: Any, axe: str) -> list[str]:
     ]
 
 
+def check_open_to_everyone(page: Any) -> None:
+    """Ask axe about a page in the state that a test has brought it to."""
+    if AXE.is_file():
+        assert serious(page, AXE.read_text()) == []
+
+
 def overflow(page: Any) -> int:
     """Pixels by which the page is wider than the window."""
     return int(page.evaluate("document.documentElement.scrollWidth - innerWidth"))

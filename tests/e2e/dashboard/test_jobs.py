@@ -9,6 +9,7 @@ import httpx
 import pytest
 
 from tests.e2e.dashboard.conftest import OpenPage, Probe
+from tests.e2e.dashboard.test_accessibility import check_open_to_everyone
 from tests.support.embedded import Embedded
 from tests.support.proxy import unreliable
 
@@ -194,6 +195,7 @@ def test_says_when_the_server_does_not_answer(open_page: OpenPage, platform: Emb
         network.down = True
         page.get_by_text("The server does not answer. What is shown").wait_for()
         row_of(page, job).wait_for()  # what was known stays
+        check_open_to_everyone(page)
         network.down = False
         page.get_by_text("The server does not answer. What is shown").wait_for(state="detached")
         later = probe()

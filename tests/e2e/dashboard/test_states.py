@@ -21,7 +21,7 @@ from shapery_platform.db import Database
 from shapery_platform.db.models import Job
 from shapery_platform.settings import load_settings
 from tests.e2e.dashboard.conftest import OpenPage, Probe
-from tests.e2e.dashboard.test_accessibility import AXE, serious
+from tests.e2e.dashboard.test_accessibility import check_open_to_everyone
 from tests.support.embedded import Embedded
 from tests.support.gateway import served
 
@@ -46,6 +46,7 @@ def test_asks_for_a_key_and_forgets_it_with_the_tab(open_page: OpenPage, guarded
     page = open_page("/jobs", base=url)
     page.watch.allowed.append("401")
     page.get_by_role("heading", name="This server asks for a key").wait_for()
+    check_open_to_everyone(page)
     field = page.get_by_role("textbox", name="API key")
     field.fill("shp_wrong")
     page.keyboard.press("Enter")
@@ -53,6 +54,7 @@ def test_asks_for_a_key_and_forgets_it_with_the_tab(open_page: OpenPage, guarded
     field.fill(secret)
     page.keyboard.press("Enter")
     page.get_by_role("heading", name="No jobs yet").wait_for()
+    check_open_to_everyone(page)
     page.reload()
     page.get_by_role("heading", name="No jobs yet").wait_for()
     assert secret not in page.evaluate("JSON.stringify(localStorage) + document.cookie + location.href")
@@ -94,8 +96,7 @@ def test_says_that_results_have_expired(
         time.sleep(0.2)
     page.reload()
     page.get_by_role("heading", name="The results have expired").wait_for()
-    if AXE.is_file():
-        assert serious(page, AXE.read_text()) == []
+    check_open_to_everyone(page)
     page.get_by_role("button", name="Run it again").click()
     page.wait_for_url(lambda url: "/jobs/" in url and job not in url)
     page.locator("[data-state=succeeded]").wait_for()
@@ -116,9 +117,11 @@ def expire(platform: Embedded, job: str) -> None:
 def test_says_that_there_is_no_such_page_or_job(open_page: OpenPage) -> None:
     page = open_page("/nowhere")
     page.get_by_role("heading", name="There is no such page").wait_for()
+    check_open_to_everyone(page)
     page = open_page("/jobs/01890000-0000-7000-8000-000000000000")
     page.watch.allowed.append("404")
     page.get_by_role("heading", name="There is no such job").wait_for()
+    check_open_to_everyone(page)
 
 
 def test_the_theme_follows_the_system_and_the_button(open_page: OpenPage) -> None:

@@ -54,6 +54,6 @@ function Viewer({ asset }: { asset: Asset }) {
 function Volume({ asset }: { asset: Asset }) {
   const { file, error } = useDrawable(asset);
   if (error) return <Failure error={error} />;
-  if (!file) return <Waiting label="Reading the series…" />;
+  if (!file) return <Waiting label="Reading the volume…" />;
   return <VolumeViewer image={file} labels={null} focus={null} />;
 }

@@ -10,11 +10,11 @@ export async function picture(file: Blob, name: string, size: number, signal: Ab
   return "picture" in told ? told.picture : null;
 }
 
-/** A DICOM series as a NIfTI file, made in a thread of its own; throws a sentence where it cannot be read. */
+/** A volume of another format as a NIfTI file, made in a thread of its own; throws a sentence where it cannot be read. */
 export async function asNifti(file: Blob, format: string, signal: AbortSignal): Promise<Blob> {
   const told = await ask({ convert: file, format }, signal);
   if ("problem" in told) throw new Error(told.problem);
-  if (!("volume" in told)) throw new Error("The series could not be read.");
+  if (!("volume" in told)) throw new Error("The volume could not be read.");
   return told.volume;
 }
 

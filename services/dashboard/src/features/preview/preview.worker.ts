@@ -2,7 +2,7 @@ import type { Seems } from "./recognise";
 import { recognise } from "./recognise";
 import { meshPicture, type Picture, sliceOf } from "./picture";
 
-/** A picture of a file, or, of a DICOM series, the same volume as a file that the viewers read. */
+/** A picture of a file, or, of a volume, the same as a file that the viewers read. */
 export type Ask = { draw: Blob; name: string; size: number } | { convert: Blob; format: string };
 export type Told = { picture: Picture | null; seems: Seems | null } | { volume: Blob } | { problem: string };
 
@@ -11,10 +11,13 @@ const MOST = 512 << 20;
 
 self.onmessage = ({ data }: MessageEvent<Ask>) => {
   const work = "draw" in data ? draw(data.draw, data.name, data.size) : convert(data.convert, data.format);
-  void work
-    .catch((error: unknown): Told => ({ problem: error instanceof Error ? error.message : String(error) }))
-    .then((told) => self.postMessage(told));
+  void work.catch((error: unknown): Told => ({ problem: reasonOf(error) })).then((told) => self.postMessage(told));
 };
+
+function reasonOf(error: unknown): string {
+  if (error instanceof RangeError) return "This file needs more memory than the browser has.";
+  return error instanceof Error ? error.message : String(error);
+}
 
 async function draw(file: Blob, name: string, size: number): Promise<Told> {
   const seems = file.size <= MOST ? await recognise(file, name) : null;
@@ -37,6 +40,6 @@ async function pictureOf(file: Blob, { kind, format }: Seems, size: number): Pro
 }
 
 async function convert(file: Blob, format: string): Promise<Told> {
-  const [{ readDicom }, { niftiFile }] = await Promise.all([import("./dicom"), import("@/format/nifti")]);
-  return { volume: niftiFile(await readDicom(file, format)) };
+  const [{ readVolume }, { niftiFile }] = await Promise.all([import("./volume"), import("@/format/nifti")]);
+  return { volume: niftiFile(await readVolume(file, format)) };
 }

@@ -2,7 +2,6 @@ import { useEffect, useMemo, useState } from "react";
 import { apiFetch } from "@/api/client";
 import type { Asset } from "@/api/types";
 import type { VolumeFile } from "@/viewers/volume/loadVolume";
-import { drawableName } from "./drawable";
 import { asNifti } from "./preview";
 
 interface Drawable {
@@ -14,10 +13,10 @@ interface Drawable {
 
 const NOTHING: Drawable = { file: null, error: null };
 
-/** A volume as the viewer reads it: the file itself, or what is made of a DICOM series in the browser. */
+/** A volume as the viewer reads it, which is NIfTI: the file itself, or what is made of another in the browser. */
 export function useDrawable(asset: Pick<Asset, "id" | "format" | "content_url" | "size"> | null): Drawable {
   const { id, format, content_url: url, size } = asset ?? { id: "", format: "", content_url: "", size: 0 };
-  const name = asset && drawableName({ format });
+  const name = format.startsWith("nifti") ? "volume.nii.gz" : null; // also where it is not gzipped
   const [made, setMade] = useState<Drawable & { of: string }>({ of: "", ...NOTHING });
   const converts = asset !== null && name === null;
   useEffect(() => {

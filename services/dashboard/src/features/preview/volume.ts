@@ -1,7 +1,7 @@
 import { inflate, type LabelVolume, readNifti, swap } from "@/format/nifti";
 import { readDicom } from "./dicom";
 
-type Samples = new (buffer: ArrayBuffer) => ArrayLike<number>;
+type Samples = new (buffer: ArrayBuffer, at: number, length: number) => ArrayLike<number>;
 
 const TYPES: readonly [RegExp, number, Samples][] = [
   [/^(met_uchar|unsigned char|uchar|uint8(_t)?)$/, 1, Uint8Array],
@@ -48,7 +48,7 @@ async function samples(header: {
     const sign = header.lps && axis < 2 ? -1 : 1;
     return [...header.axes.slice(0, 3), header.origin].map((vector) => sign * (vector[axis] ?? 0));
   });
-  return { shape: [nx, ny, nz], affine, values: new array(content.slice(0, length)), slope: 1, inter: 0 };
+  return { shape: [nx, ny, nz], affine, values: new array(content, 0, nx * ny * nz), slope: 1, inter: 0 };
 }
 
 /** NRRD with its data in the same file (https://teem.sourceforge.net/nrrd/format.html). */

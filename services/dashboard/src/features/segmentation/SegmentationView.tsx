@@ -86,7 +86,7 @@ export default function SegmentationView({ job, result, post, facts }: Segmentat
         <NoWebGL />
       ) : (
         <div className={classes.viewers}>
-          {labels && waits && <Waiting label="Reading the series…" />}
+          {labels && waits && <Waiting label="Reading the volume…" />}
           {labels && !waits && (
             <Suspense fallback={<Waiting label="Loading the viewer…" />}>
               <VolumeViewer

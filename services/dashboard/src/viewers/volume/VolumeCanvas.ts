@@ -4,7 +4,7 @@ import type { SurfaceMesh } from "../surface/readSurface";
 import type { SliceView } from "./box";
 import { drawsBySoftware } from "../webgl";
 import type { Drawn } from "./niftiStream";
-import { coarserAffine, reduced } from "./reduce";
+import { coarserAffine } from "./reduce";
 import { Viewer } from "./Viewer";
 
 export type VolumeLayout = "slices" | "axial" | "coronal" | "sagittal" | "render";
@@ -104,7 +104,7 @@ export class VolumeCanvas {
     const viewer = this.#viewer;
     await viewer.ready;
     const [base, overlay] = await Promise.all([read(image, "gray"), labels ? read(labels) : null]);
-    const coarse = reduce(base, mostVoxels()) || Math.max(...image.steps) > 1;
+    const coarse = Math.max(...image.steps) > 1;
     const window: [number, number] = [base.robust_min ?? base.cal_min ?? 0, base.robust_max ?? base.cal_max ?? 1];
     const range: [number, number] = [base.global_min ?? window[0], base.global_max ?? window[1]];
     if (this.#closed) return { range, window, coarse };
@@ -297,20 +297,6 @@ function place(image: NVImage, affine: number[][]): void {
     axis >= 1 && axis <= 3 ? Math.hypot(...affine.slice(0, 3).map((row) => row[axis - 1] ?? 0)) : length,
   );
   image.setAffine(affine);
-}
-
-/** Make a very large volume coarser: its picture would not fit into a graphics card, or keep a processor for minutes. */
-function reduce(image: NVImage, most: number): boolean {
-  const { hdr, img } = image;
-  const [, nx = 0, ny = 0, nz = 0] = hdr?.dims ?? [];
-  if (!hdr || !img || nx * ny * nz <= most || img.length < nx * ny * nz) return false;
-  const { samples, extent, affine } = reduced({ samples: img, extent: [nx, ny, nz], affine: hdr.affine }, most);
-  image.img = samples;
-  image.nFrame4D = 1;
-  hdr.dims = [3, ...extent, 1, 1, 1, 1];
-  place(image, affine);
-  image.calMinMax();
-  return true;
 }
 
 function placeOf({ mm, values }: Location): Place {

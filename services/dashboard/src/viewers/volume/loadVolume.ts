@@ -1,5 +1,4 @@
 import { apiFetch } from "@/api/client";
-import { download } from "../download";
 import type { Drawn } from "./niftiStream";
 import type { Ask, Told } from "./volume.worker";
 
@@ -14,19 +13,16 @@ export interface VolumeFile {
 const AHEAD = 32;
 
 /**
- * Fetch a volume as it is drawn: of a NIfTI file at most `most` voxels, uncompressed and made coarser piece by piece in
- * a thread of its own, so that a file of any size needs no more memory than its picture; other files as they are.
+ * Fetch a NIfTI file as it is drawn: at most `most` voxels, uncompressed and made coarser piece by piece in a thread of
+ * its own, so that a file of any size needs no more memory than its picture.
  */
 export async function loadVolume(
-  { url, name, size }: VolumeFile,
+  { url, size }: VolumeFile,
   most: number,
   labels: boolean,
   onProgress: (fraction: number) => void,
   signal: AbortSignal,
 ): Promise<Drawn> {
-  if (!/\.nii(\.gz)?$/i.test(name)) {
-    return { content: await download(url, size, onProgress, signal), steps: [1, 1, 1] };
-  }
   const response = await apiFetch(url, { signal });
   const reader = (response.body ?? new Blob([]).stream()).getReader();
   const worker = new Worker(new URL("./volume.worker.ts", import.meta.url), { type: "module" });

@@ -3,14 +3,6 @@ import type { Samples } from "@/format/nifti";
 /** One number for each axis, x first. */
 export type Triple = [number, number, number];
 
-/** A volume in memory: x runs fastest. */
-export interface Grid<T extends Samples> {
-  samples: T;
-  extent: Triple;
-  /** From voxels to mm, row by row. */
-  affine: number[][];
-}
-
 /** An axis of fewer voxels is not halved. */
 const FEW = 128;
 
@@ -106,15 +98,4 @@ export class Blocks<T extends Samples> {
     }
     sums.fill(0);
   }
-}
-
-/** A grid of no more than `most` voxels that shows the same, if its axes allow. */
-export function reduced<T extends Samples>(grid: Grid<T>, most: number): Grid<T> {
-  const { samples, extent, affine } = grid;
-  const steps = stepsFor(extent, most);
-  if (Math.max(...steps) === 1) return grid;
-  const blocks = new Blocks(samples.constructor as new (length: number) => T, extent, steps, false);
-  const [nx, ny, nz] = extent;
-  for (let row = 0; row < ny * nz; row += 1) blocks.add(samples.subarray(row * nx, (row + 1) * nx));
-  return { samples: blocks.samples, extent: blocks.extent, affine: coarserAffine(affine, steps) };
 }
