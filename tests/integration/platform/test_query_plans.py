@@ -65,7 +65,7 @@ QUERIES: dict[str, tuple[Callable[[Session], Any], str]] = {
         lambda s: collections.counts(s, [new_id()], 1),
         "COVERING INDEX ix_shapes_collection_id_index_version",
     ),
-    "shapes changed since": (lambda s: list(bank.vectors_after(s, "ann", 7)), "ix_shapes_owner_revision"),
+    "shapes changed since": (lambda s: list(bank.vectors_after(s, "ann", 7, "whole")), "ix_shapes_owner_revision"),
     "whether a blob is kept": (lambda s: blobs.is_kept(s, "a" * 64), "ix_shape_files_sha256"),
     "blobs to sweep": (lambda s: blobs.due(s, utc_now(), 10), "ix_blobs_check_after"),
     "whether a blob is read": (lambda s: blobs.is_read(s, "a" * 64), "ix_assets_sha256"),
