@@ -23,7 +23,7 @@ from benchmarks.retrieval.features import Features, features_of, part_of
 from benchmarks.retrieval.growth import growth
 from benchmarks.retrieval.measures import class_matrix, measure, per_query, precision_recall, relevance
 from benchmarks.retrieval.parts import partial_queries
-from benchmarks.retrieval.parts_growth import kept_of_exhaustive
+from benchmarks.retrieval.parts_growth import Query, kept_of_exhaustive
 from benchmarks.retrieval.peers import peer_matrices, peers_of
 from benchmarks.retrieval.plots import draw_class_matrix, draw_precision_recall
 from benchmarks.retrieval.report import report
@@ -187,17 +187,21 @@ def bank_growth() -> Found:
     return {"growth": growth([item.arg for item in watertight()], [10**k for k in range(2, 7)])}
 
 
+def halves() -> list[Query]:
+    """Return halves of ten shapes as queries."""
+    return [part_of(cropped(0.5)(mesh_of(n), np.random.default_rng(999 + n))) for n in NUMBERS[5::40]]
+
+
 def parts_growth() -> Found:
     """Search with halves of shapes among a hundred thousand."""
-    queries = [part_of(cropped(0.5)(mesh_of(n), np.random.default_rng(999 + n))) for n in NUMBERS[5::40]]
-    return {"parts_growth": kept_of_exhaustive([item.arg for item in watertight()], queries, 100_000)}
+    return {"parts_growth": kept_of_exhaustive([item.arg for item in watertight()], halves(), 100_000)}
 
 
 def on_pgvector() -> Found:
     """Candidates by pgvector."""
     from benchmarks.retrieval.postgres import on_postgres
 
-    return {"postgres": on_postgres([item.arg for item in watertight()], 100_000)}
+    return {"postgres": on_postgres([item.arg for item in watertight()], halves(), 100_000)}
 
 
 PARTS_OF_IT: dict[str, Callable[[], Found]] = {

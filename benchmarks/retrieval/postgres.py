@@ -1,4 +1,4 @@
-"""The first stage of a search on PostgreSQL: candidates by the HNSW index of pgvector, in a bank of grown vectors."""
+"""The first stage of a search on PostgreSQL: candidates by the HNSW indexes of pgvector, in a bank of grown vectors."""
 
 from __future__ import annotations
 
@@ -11,11 +11,14 @@ import numpy as np
 import psycopg
 
 from benchmarks.retrieval.growth import CHUNK, Grown, _over
+from benchmarks.retrieval.parts_growth import Moving, Query
 from shapery_contracts.retrieval import INDEX_VERSION, VECTOR_DIMENSION
 from shapery_platform.db import Database, new_id
 from shapery_retrieval.arg import Arg
-from shapery_retrieval.job import CANDIDATES
+from shapery_retrieval.coverage import asked_of
+from shapery_retrieval.job import CANDIDATES, PARTIAL_CANDIDATES
 from shapery_retrieval.packing import pack_levels, whole_arrays
+from shapery_retrieval.patches import patches_of
 from shapery_retrieval.vector import vectors_of
 from shapery_worker.bank import Banks, VectorTable
 from tests.support.postgres import postgres_server
@@ -23,17 +26,20 @@ from tests.support.postgres import postgres_server
 OWNER = "bench"
 COLUMNS = (
     "id, owner, collection_id, asset_id, job_id, name, metadata, index_version, revision, vector, report, arg_sha256, "
-    "arg_size, created_at, indexed_at"
+    "arg_size, created_at, indexed_at, part_vector"
 )
 
 
-def on_postgres(args: Sequence[Arg], size: int, queries: int = 20) -> dict[str, Any]:
+def on_postgres(args: Sequence[Arg], parts: Sequence[Query], size: int, queries: int = 20) -> dict[str, Any]:
     """Return wall time of asking for candidates, how many of the exact ones come, and how many of the twenty best.
+
+    For `parts`, which are queries too, the former alone.
 
     The server is the one of the tests: 32 MB of shared buffers, no settings for speed of reading.
     """
     bank = Grown(args, size)
-    table = VectorTable()
+    covered = Moving(bank, [patches_of(arg) for arg in args], size).covered
+    table, part_table = VectorTable(), VectorTable()
     ids = [new_id() for _ in range(size)]
     place_of = {str(shape): place for place, shape in enumerate(ids)}
     with postgres_server() as server:
@@ -47,10 +53,9 @@ def on_postgres(args: Sequence[Arg], size: int, queries: int = 20) -> dict[str, 
             connection.execute("SET max_parallel_maintenance_workers = 0")
             connection.execute("INSERT INTO banks VALUES (%s, %s, 0)", (OWNER, size))
             built = connection.execute(
-                "SELECT indexdef FROM pg_indexes WHERE indexname = 'ix_shapes_vector'"
-            ).fetchone()
-            assert built is not None
-            connection.execute("DROP INDEX ix_shapes_vector")
+                "SELECT indexdef FROM pg_indexes WHERE indexname LIKE 'ix_shapes_%vector' ORDER BY indexname DESC"
+            ).fetchall()
+            connection.execute("DROP INDEX ix_shapes_vector, ix_shapes_part_vector")
             with connection.cursor().copy(f"COPY shapes ({COLUMNS}) FROM STDIN") as copy:
                 for begin in range(0, size, CHUNK):
                     for place, vector in enumerate(bank.vectors(begin, min(begin + CHUNK, size)), start=begin):
@@ -59,12 +64,15 @@ def on_postgres(args: Sequence[Arg], size: int, queries: int = 20) -> dict[str, 
                             (
                                 shape, OWNER, ids[0], shape, shape, str(place), "{}", INDEX_VERSION, place + 1,
                                 str(vector.tolist()), "{}", "0" * 64, 1, "2026-01-01", "2026-01-01",
+                                str(covered[place].tolist()),
                             )
                         )  # fmt: skip
+                        part_table.put(shape, covered[place].tobytes())
                         table.put(shape, vector.tobytes())
             copied = time.perf_counter()
-            connection.execute(built[0])
+            connection.execute(built[0][0])
             indexed = time.perf_counter()
+            connection.execute(built[1][0])
             size_of_index = connection.execute("SELECT pg_relation_size('ix_shapes_vector')").fetchone()
             assert size_of_index is not None
         with psycopg.connect(url, autocommit=True) as connection:
@@ -86,7 +94,16 @@ def on_postgres(args: Sequence[Arg], size: int, queries: int = 20) -> dict[str, 
                 answer = _over(bank, places, vectors).search(query, vector=vector)
                 best.append({hit.shape_id for hit in answer.hits})
             kept.append(len(best[0] & best[1]) / len(best[1]))
+        part_times, part_recall = [], []
+        for _, hypotheses in (*parts[:3], *parts):
+            asked_for = asked_of(hypotheses)
+            start = time.perf_counter()
+            found = Banks(database).of(OWNER).candidates(asked_for.tolist(), PARTIAL_CANDIDATES, by="parts")
+            part_times.append(time.perf_counter() - start)
+            exact = part_table.nearest(asked_for, PARTIAL_CANDIDATES, None)
+            part_recall.append(len({c.shape_id for c in found} & {c.shape_id for c in exact}) / len(exact))
         database.dispose()
+    part_times, part_recall = part_times[3:], part_recall[3:]
     times, recall, kept = times[3:], recall[3:], kept[3:]
     return {
         "size": size,
@@ -97,4 +114,6 @@ def on_postgres(args: Sequence[Arg], size: int, queries: int = 20) -> dict[str, 
         "p95_ms": 1000 * float(np.quantile(times, 0.95)),
         "recall": float(np.mean(recall)),
         "twenty_best": float(np.mean(kept)),
+        "parts_median_ms": 1000 * float(np.median(part_times)),
+        "parts_recall": float(np.mean(part_recall)),
     }

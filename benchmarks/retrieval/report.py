@@ -90,6 +90,11 @@ def report(found: dict[str, Any]) -> str:
             f"{row['median_ms']:.0f} ms (median; p95 {row['p95_ms']:.0f} ms) of wall time; {row['recall']:.1%} of them "
             f"were the exact ones, and {row['twenty_best']:.1%} of the twenty best were found."
         )
+        if "parts_recall" in row:
+            told += (
+                f" Of the candidates for parts {row['parts_recall']:.1%} were the exact ones; they came in "
+                f"{row['parts_median_ms']:.0f} ms."
+            )
         lines += ["## Candidates by pgvector", "", told, ""]
     return "\n".join(lines)
 
