@@ -30,9 +30,10 @@ How it ends
 A vertex sleeps when its net way along the normal is small, wakes when its neighbours move, is stopped when it has
 changed its direction too often (S5), is interpolated between those at rest where too many oscillate (S8), and is frozen
 while another part of the surface is in its way (S4). Frozen vertices that guard a small feature get finer triangles;
-those on a thin piece that is not object collapse. The moves of one or two iterations are tested before they count,
-and so is every operation on the triangles (see `shapery_segmentation.mesh`), so the surface stays closed, manifold,
-oriented, and free of self-intersections, whatever the field. It keeps the seed's genus, too, unless
+those on a thin piece that is not object collapse. The moves of one or two iterations are tested before they count
+where anything is near that they could meet, and in the end all of the surface is (see `shapery_segmentation.mesh`), so
+what is returned is closed, manifold, oriented, and free of self-intersections, whatever the field. It keeps the seed's
+genus, too, unless
 ``topology="adaptive"`` lets fronts that meet inside the object merge and necks outside of it split (see
 `shapery_segmentation.flow.topology`).
 
