@@ -11,7 +11,7 @@ export function NameFilter({ name, onName }: { name: string | undefined; onName:
     <TextInput
       type="search"
       aria-label="Text in the name"
-      placeholder="Text in the name"
+      placeholder="Name"
       leftSection={<Search size={15} aria-hidden="true" />}
       maxLength={255}
       value={text}

@@ -1,4 +1,4 @@
-import { Button, Group, SegmentedControl, Select, Text } from "@mantine/core";
+import { Box, Button, Group, SegmentedControl, Select, Text } from "@mantine/core";
 import { keepPreviousData, useQuery } from "@tanstack/react-query";
 import { getRouteApi, useNavigate } from "@tanstack/react-router";
 import { ArrowLeft, ArrowRight, ListChecks, Upload } from "lucide-react";
@@ -93,17 +93,19 @@ export function JobsPage() {
           aria-label="Show jobs of one kind"
           placeholder="All kinds"
           size="sm"
-          w={170}
+          w={150}
           clearable
           data={(kinds.data ?? []).map(({ name }) => ({ value: name, label: workName(name) }))}
           value={search.kind ?? null}
           onChange={(value) => change({ kind: value ?? undefined })}
         />
-        <NameFilter
-          key={search.name === undefined ? "none" : "some"}
-          name={search.name}
-          onName={(name) => change({ name })}
-        />
+        <Box flex="1 1 7rem" maw={240}>
+          <NameFilter
+            key={search.name === undefined ? "none" : "some"}
+            name={search.name}
+            onName={(name) => change({ name })}
+          />
+        </Box>
       </Group>
       {jobs.isPending ? (
         <Waiting label="Loading the jobs…" />

@@ -38,7 +38,7 @@ export function outcome(job: Job): string {
   }
   if (isMotionResult(job.result)) {
     const { bytes: size, frames, errors } = job.result;
-    return `${bytes(size)} for ${integer(frames)} frames, KG error ${significant(errors.kg_percent, 2)} %`;
+    return `${bytes(size)} for ${integer(frames)} frames, KG error ${significant(errors.kg_percent, 2)}\u00a0%`;
   }
   if (isIndexResult(job.result)) return `In the bank, ${job.result.levels.at(-1)?.parts ?? 0} parts`;
   if (isSearchResult(job.result)) return `${integer(job.result.hits.length)} found`;

@@ -172,14 +172,16 @@ export default function SegmentationView({ job, result, post, facts }: Segmentat
               onValues={setValues}
             />
           )}
-          <SeedPanel
-            job={job}
-            seeds={seeds}
-            box={box}
-            onChange={setSeeds}
-            onBox={setBox}
-            onLook={(seed) => setLooked([...seed])}
-          />
+          {hasWebGL() && (
+            <SeedPanel
+              job={job}
+              seeds={seeds}
+              box={box}
+              onChange={setSeeds}
+              onBox={setBox}
+              onLook={(seed) => setLooked([...seed])}
+            />
+          )}
           <Downloads artifacts={job.artifacts ?? []} />
         </Stack>
         <Stack gap="md">
