@@ -66,7 +66,11 @@ export function NoWebGL({ children }: { children?: ReactNode }) {
       color="orange"
       variant="light"
       icon={<MonitorX size={18} />}
-      title="This browser cannot draw in 3D"
+      title={
+        <Text span inherit c="var(--mantine-color-text)">
+          This browser cannot draw in 3D
+        </Text>
+      }
       role="alert"
     >
       <Stack gap="md">
