@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import re
 import shutil
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -75,6 +76,14 @@ class Watch:
     def unexpected(self) -> list[str]:
         """The faults that no pattern of `allowed` expects."""
         return [text for text in self.faults if not any(re.search(pattern, text) for pattern in self.allowed)]
+
+
+def until(condition: Callable[[], bool], what: str, seconds: float = 60.0) -> None:
+    """Wait until a page that changes by itself is as it should be."""
+    deadline = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < deadline, what
+        time.sleep(0.1)
 
 
 def picture(locator: Any) -> NDArray[np.uint8]:

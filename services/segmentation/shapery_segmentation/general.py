@@ -92,6 +92,10 @@ RING = (1, 3)
 LEAST_SIDE = 0.1
 """Share of the ring that must be darker (brighter) for the object to have a border to that side."""
 
+BEYOND = 1.25
+"""How much further from the object's median than the darker (brighter) half of its own voxels that share must be. Where
+the region stops short of the border, the ring holds voxels of the object, and their noise is no border."""
+
 LEAST_CONTRAST = 2.5
 """Units of the noise by which the ring must differ, or there is no border to find."""
 
@@ -180,7 +184,7 @@ def recover_object(
         part, inside = _refined(canonical, part, inside)
     field, polarity, contrast = _borders(part, inside, noise)
     spacing = float(part.voxel_volume ** (1 / 3))
-    object_voxels, allowed = _gated(field, inside)
+    object_voxels, allowed = _gated(field, inside, None if target.box is None else _in_box(part, target.box))
     check_cancelled()
 
     ball, to_ball, start = seed_ball(object_voxels, part.affine)
@@ -243,14 +247,9 @@ def _still_region(volume: Volume, target: Target) -> tuple[BoolArray, float]:
     seed = np.array(_nearest(volume, target.seed))
     usable = np.ones(volume.shape, dtype=np.bool_)
     if target.box is not None:
-        usable[:] = False
-        corners = volume.to_index(
-            np.array(np.meshgrid(*target.box.T, indexing="ij")).reshape(3, -1).T
-        )  # the box stays a box on the grid's axes: its bounds there
-        low = np.clip(np.floor(corners.min(axis=0) + 0.5), 0, np.array(volume.shape) - 1).astype(int)
-        high = np.clip(np.ceil(corners.max(axis=0) + 0.5), low + 1, volume.shape).astype(int)
-        usable[tuple(slice(a, b) for a, b in zip(low, high, strict=True))] = True
-        seed = np.clip(seed, low, high - 1)
+        usable = _in_box(volume, target.box)
+        corners = np.argwhere(usable)
+        seed = np.clip(seed, corners[0], corners[-1])
     smooth = _smoothed(volume)
     around = tuple(slice(max(int(s) - 3 * NEARBY, 0), int(s) + 3 * NEARBY + 1) for s in seed)
     middle = tuple(
@@ -324,6 +323,7 @@ def _borders(volume: Volume, inside: BoolArray, noise: float) -> tuple[FloatArra
     if not around.size:
         raise InvalidInput("no_object_found", "The object fills the whole volume: it has no border in it.")
     middle = float(np.median(data[inside]))
+    own_darker, own_brighter = (BEYOND * np.abs(np.percentile(data[inside], (25.0, 75.0)) - middle)).tolist()
     darker, brighter = around[around < middle], around[around >= middle]
     low: FloatArray | None = None
     high: FloatArray | None = None
@@ -331,12 +331,12 @@ def _borders(volume: Volume, inside: BoolArray, noise: float) -> tuple[FloatArra
     own = _local(data, inside, middle, volume.spacing)
     if len(darker) >= LEAST_SIDE * len(around):
         level = float(np.median(darker))
-        if middle - level >= LEAST_CONTRAST * noise:
+        if middle - level >= max(LEAST_CONTRAST * noise, own_darker):
             low = np.float32(0.5) * (own + _local(data, ring & (data < middle), level, volume.spacing))
             contrasts.append((middle - level) / noise)
     if len(brighter) >= LEAST_SIDE * len(around):
         level = float(np.median(brighter))
-        if level - middle >= LEAST_CONTRAST * noise:
+        if level - middle >= max(LEAST_CONTRAST * noise, own_brighter):
             high = np.float32(0.5) * (own + _local(data, ring & (data >= middle), level, volume.spacing))
             contrasts.append((level - middle) / noise)
     if not contrasts:
@@ -363,9 +363,22 @@ def _local(data: FloatArray, where: BoolArray, usual: float, spacing: tuple[floa
     return np.asarray(np.float32(usual) + total / (weight + np.float32(0.02)), dtype=np.float32)
 
 
-def _gated(field: FloatArray, region: BoolArray) -> tuple[BoolArray, BoolArray]:
-    """Return the object's voxels and where the surface may go: near voxels that are dense, connected to the region."""
-    enhancing = field > 0
+def _in_box(volume: Volume, box: NDArray[np.float64]) -> BoolArray:
+    """Tell which voxels lie in a box in RAS mm, at least one along each axis; it stays a box on the grid's axes."""
+    corners = volume.to_index(np.array(np.meshgrid(*box.T, indexing="ij")).reshape(3, -1).T)
+    low = np.clip(np.floor(corners.min(axis=0) + 0.5), 0, np.array(volume.shape) - 1).astype(int)
+    high = np.clip(np.ceil(corners.max(axis=0) + 0.5), low + 1, volume.shape).astype(int)
+    inside = np.zeros(volume.shape, dtype=np.bool_)
+    inside[tuple(slice(a, b) for a, b in zip(low, high, strict=True))] = True
+    return inside
+
+
+def _gated(field: FloatArray, region: BoolArray, usable: BoolArray | None) -> tuple[BoolArray, BoolArray]:
+    """Return the object's voxels and where the surface may go: near voxels that are dense, connected to the region.
+
+    Neither leaves `usable`, the user's box.
+    """
+    enhancing = field > 0 if usable is None else (field > 0) & usable
     solid = dense(enhancing, 1.0) & ndimage.binary_erosion(enhancing)
     labels, _ = ndimage.label(solid)
     sizes = np.bincount(labels[region & solid], minlength=1)
@@ -373,7 +386,7 @@ def _gated(field: FloatArray, region: BoolArray) -> tuple[BoolArray, BoolArray]:
     core = labels == int(sizes.argmax()) if sizes.any() else enhancing & region
     if not core.any():
         core = region
-    allowed = within(core, REACH)
+    allowed = within(core, REACH) if usable is None else within(core, REACH) & usable
     inside, _ = ndimage.label(enhancing & allowed)
     own = np.bincount(inside[core & enhancing], minlength=1)
     own[0] = 0

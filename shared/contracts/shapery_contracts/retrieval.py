@@ -8,7 +8,7 @@ from uuid import UUID
 
 from pydantic import BaseModel, ConfigDict, Field
 
-INDEX_VERSION = 5
+INDEX_VERSION = 6
 """Version of everything that is computed from a mesh. Shapes of different versions are never compared: a bank answers
 with those of the version asked for, and a new version means indexing the stored meshes again."""
 

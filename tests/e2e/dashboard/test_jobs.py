@@ -10,6 +10,7 @@ import pytest
 
 from tests.e2e.dashboard.conftest import OpenPage, Probe
 from tests.e2e.dashboard.test_accessibility import check_open_to_everyone
+from tests.support.browser import until
 from tests.support.embedded import Embedded
 from tests.support.proxy import unreliable
 
@@ -170,10 +171,10 @@ def test_pages_and_filters(open_page: OpenPage, api: httpx.Client) -> None:
         page.get_by_role("columnheader", name=name, exact=True).get_by_role("button").press("Enter")
         page.locator(f"th[aria-sort={'descending' if order[0] == '-' else 'ascending'}]", has_text=name).wait_for()
         expected = api.get("/v1/jobs", params={"state": "cancelled", "order": order, "limit": 50}).json()["items"]
-        row_of(page, expected[24]["id"]).wait_for()
-        assert shown() == [job["id"] for job in expected[:25]]
+        sorted_so = [job["id"] for job in expected]
+        until(lambda ids=sorted_so: shown() == ids[:25], f"the jobs are sorted by {order}")  # type: ignore[misc]
     page.get_by_role("button", name="Next").click()
-    row_of(page, expected[25]["id"]).wait_for()
+    row_of(page, sorted_so[25]).wait_for()
     page.goto(page.url.split("/jobs")[0] + "/jobs")
     row_of(page, listed[0]).wait_for()
     page.get_by_role("searchbox", name="Text in the name").fill("no job is called so")

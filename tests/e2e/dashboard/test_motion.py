@@ -13,9 +13,9 @@ import pytest
 from numpy.typing import NDArray
 
 from shapery_geometry.sequence import write_sequence_npz
-from tests.e2e.dashboard.conftest import READY, OpenPage
+from tests.e2e.dashboard.conftest import OpenPage
 from tests.e2e.dashboard.test_accessibility import AXE, overflow, serious
-from tests.support.browser import keep_picture, picture
+from tests.support.browser import keep_picture, picture, until
 
 pytestmark = [pytest.mark.server, pytest.mark.browser]
 
@@ -60,17 +60,10 @@ def encoded(chrome: Any, api: httpx.Client, tmp_path_factory: pytest.TempPathFac
     return dict(found)
 
 
-def until(true: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + READY / 1000
-    while not true():
-        assert time.monotonic() < deadline
-        time.sleep(0.1)
-
-
 def canvas(page: Any) -> Any:
     found = page.get_by_test_id("motion")
     found.wait_for()
-    until(lambda: bool(lit(picture(found)).any()))
+    until(lambda: bool(lit(picture(found)).any()), "something is drawn")
     return found
 
 
@@ -95,16 +88,20 @@ def test_frames_are_where_they_should_be(open_page: OpenPage, encoded: dict[str,
     height, width = np.ptp(rows), np.ptp(columns)
     assert 0.7 < width / height < 1.4
     assert first.sum() > 0.6 * height * width
+
+    def middle() -> float:
+        return float(np.nonzero(lit(picture(drawing)))[1].mean())
+
     slider = page.get_by_role("slider", name="Frame")
     slider.focus()
     for _ in range(4):
         slider.press("ArrowRight")
     page.get_by_text(f"5 / {FRAMES}").wait_for()
-    until(lambda: float(np.nonzero(lit(picture(drawing)))[1].mean()) > columns.mean() + 0.15 * width)
+    until(lambda: middle() > columns.mean() + 0.15 * width, "the motion has moved")
     # it goes on for three times its own width, and stays in the picture
     slider.press("End")
     page.get_by_text(f"{FRAMES} / {FRAMES}").wait_for()
-    until(lambda: float(np.nonzero(lit(picture(drawing)))[1].mean()) > columns.mean() + 1.5 * width)
+    until(lambda: middle() > columns.mean() + 1.5 * width, "the motion has moved on")
     last = lit(picture(drawing))
     assert not last[:, [6, -7]].any()
     assert last.sum() > 0.5 * first.sum()
@@ -131,7 +128,7 @@ def test_the_original_stands_beside_and_over_it(open_page: OpenPage, encoded: di
         return mask[:, :middle], mask[:, middle : 2 * middle]
 
     # the same body twice, seen from the same side
-    until(lambda: all(half.any() for half in halves()))
+    until(lambda: all(half.any() for half in halves()), "both halves are drawn")
     left, right = halves()
     assert (left & right).sum() > 0.9 * (left | right).sum()
     choose(page, "What is shown", "Overlaid")
@@ -141,7 +138,7 @@ def test_the_original_stands_beside_and_over_it(open_page: OpenPage, encoded: di
         mask = lit(pixels.astype(np.uint8))
         return int((mask & (pixels[..., 0] > pixels[..., 2] + 40)).sum())
 
-    until(lambda: orange() > 0.05 * alone)
+    until(lambda: orange() > 0.05 * alone, "the error is colored")
 
 
 def test_errors_and_clusters_are_seen_as_colors(open_page: OpenPage, encoded: dict[str, Any]) -> None:
@@ -158,12 +155,12 @@ def test_errors_and_clusters_are_seen_as_colors(open_page: OpenPage, encoded: di
     legend = page.get_by_role("figure", name="Error by color")
     legend.wait_for()
     assert "RMS" in legend.inner_text()
-    until(lambda: hues() > 2 * plain)
+    until(lambda: hues() > 2 * plain, "clusters are colored")
     keep_picture(page, "motion")
     if encoded["result"]["clusters"] > 1:
         choose(page, "Color", "Clusters")
         legend.wait_for(state="detached")
-        until(lambda: hues() > plain)
+        until(lambda: hues() > plain, "clusters are colored again")
 
 
 def test_it_plays(open_page: OpenPage, encoded: dict[str, Any], record_property: Callable[[str, object], None]) -> None:
@@ -184,7 +181,7 @@ def test_it_plays(open_page: OpenPage, encoded: dict[str, Any], record_property:
         }"""
     )
     page.get_by_role("button", name="Play").click()
-    until(lambda: page.evaluate("window.drawn.length") > 2 * FRAMES)
+    until(lambda: page.evaluate("window.drawn.length") > 2 * FRAMES, "it plays on")
     page.get_by_role("button", name="Pause").click()
     drawn = page.evaluate("window.drawn")
     record_property("frames_per_second", (len(drawn) - 1) / ((drawn[-1] - drawn[0]) / 1000))

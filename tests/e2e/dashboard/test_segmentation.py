@@ -21,6 +21,7 @@ from shapery_segmentation.evolution import read_evolution
 from tests.e2e.dashboard.conftest import OpenPage
 from tests.e2e.dashboard.test_accessibility import check_open_to_everyone
 from tests.support.browser import Watch, keep_picture, picture
+from tests.support.volumes import write_series
 
 pytestmark = [pytest.mark.server, pytest.mark.browser, pytest.mark.slow]
 
@@ -89,6 +90,45 @@ def box(mask: NDArray[np.bool_]) -> NDArray[np.float64]:
         along = np.flatnonzero(mask.sum(axis=axis) > 2)
         edges.append((along[0], along[-1] + 1))
     return np.array(edges, dtype=float)
+
+
+def test_a_folder_of_slices_is_segmented_and_drawn(open_page: OpenPage, api: httpx.Client, tmp_path: Path) -> None:
+    """A bright ball in a DICOM series: the slices under the colored labels are those of the folder."""
+    shape, center, radius = (48, 56, 40), np.array([20.0, 34.0, 18.0]), 9.0
+    at = np.moveaxis(np.indices(shape), 0, -1)
+    noise = np.random.default_rng(4).normal(0, 12, shape)
+    inside = np.linalg.norm(at - center, axis=-1) < radius
+    volume = Volume((300 + 600 * inside + noise).astype(np.int16), np.diag([1.0, 1.0, 1.0, 1.0]))
+    write_series(tmp_path / "slices of a ball", volume)
+    page = open_page("/upload")
+    page.set_default_timeout(WORK)
+    page.get_by_test_id("folder").set_input_files(tmp_path / "slices of a ball")
+    page.locator("li[data-state=done]", has_text="slices of a ball.zip").get_by_text("DICOM series").wait_for()
+    page.get_by_role("radiogroup", name="What is looked for").get_by_text("Any object", exact=True).click()
+    page.get_by_role("combobox", name=re.compile("^Volume")).click()
+    page.get_by_role("option", name=re.compile("slices of a ball.zip")).click()
+    page.get_by_role("textbox", name="Seed points", exact=True).fill("20, 34, 18")
+    page.get_by_role("button", name="Segment", exact=True).click()
+    page.wait_for_url("**/jobs/*")
+    page.get_by_role("heading", name="slices of a ball.zip").wait_for()
+    page.locator("[data-state=succeeded], [data-state=failed], [data-state=crashed]").first.wait_for()
+    job = api.get(f"/v1/jobs/{page.url.rsplit('/', 1)[1]}").json()
+    assert job["state"] == "succeeded", job["error"]
+    wait_for_pictures(page)
+    page.get_by_text("Axial", exact=True).click()
+    page.wait_for_timeout(1000)
+    pixels = picture(page.get_by_test_id("volume"))
+    height, width = pixels.shape[:2]
+    scale = min(width / shape[0], height / shape[1])
+    middle = np.array(
+        [height / 2 + scale * (shape[1] / 2 - center[1] - 0.5), width / 2 + scale * (shape[0] / 2 - center[0] - 0.5)]
+    )
+    reach = scale * radius
+    expected = np.stack([middle - reach, middle + reach], axis=1)
+    np.testing.assert_allclose(box(tumor_colored(pixels)), expected, atol=1.5 * scale)
+    # beside the ball the slices are nearly black, and beside the slices there is nothing
+    columns = np.mean(pixels.max(axis=2) > 3, axis=0) > 0.5
+    assert columns.sum() == pytest.approx(scale * shape[0], abs=2 * scale)
 
 
 def test_finds_what_is_there(segmented: dict[str, Any], phantom: Path) -> None:

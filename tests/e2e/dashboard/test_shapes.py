@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +16,7 @@ from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.mesh_io import write_mesh
 from tests.e2e.dashboard.conftest import OpenPage
 from tests.e2e.dashboard.test_accessibility import AXE, overflow, serious
-from tests.support.browser import keep_picture, picture
+from tests.support.browser import keep_picture, picture, until
 from tests.unit.retrieval.conftest import cylinder, egg, torus
 
 pytestmark = [pytest.mark.server, pytest.mark.browser, pytest.mark.slow]
@@ -92,14 +91,6 @@ def names(page: Any) -> list[str]:
     )
 
 
-def until(page: Any, condition: Callable[[], bool], what: str) -> None:
-    for _ in range(240):
-        if condition():
-            return
-        page.wait_for_timeout(250)
-    raise AssertionError(what)
-
-
 def hits(page: Any) -> list[str]:
     page.locator("[data-hit]").first.wait_for(timeout=WORK)
     return list(page.locator("[data-hit]").evaluate_all("items => items.map((item) => item.dataset.hit)"))
@@ -124,25 +115,25 @@ def test_shapes_are_added_named_moved_and_deleted(
         const key = Object.keys(localStorage).find((key) => key.startsWith("shapery.addition."));
         return key ? JSON.parse(localStorage.getItem(key)).batches.length : 0;
     }"""
-    until(page, lambda: page.evaluate(begun) == 1, "the addition is not kept")
+    until(lambda: page.evaluate(begun) == 1, "the addition is not kept")
     page.reload()
     told = page.get_by_role("region", name="Shapes being added")
     told.get_by_text("1 of 2 added to new things.").wait_for(timeout=WORK)
     told.get_by_text("notes.txt:").wait_for()
-    until(page, lambda: "rod" in names(page), "the wall does not show what was added")
+    until(lambda: "rod" in names(page), "the wall does not show what was added")
     (shape,) = api.get("/v1/shapes", params={"collection": "new things"}).json()["items"]
     assert shape["labels"] == {"family": "rod"}
 
     # filters
     page.get_by_role("link", name="bodies").click()
-    until(page, lambda: sorted(names(page)) == sorted(bank), "the collection is shown alone")
+    until(lambda: sorted(names(page)) == sorted(bank), "the collection is shown alone")
     page.get_by_role("searchbox", name="Text in the name").fill("turned")
-    until(page, lambda: sorted(names(page)) == ["egg turned", "torus turned"], "names are filtered")
+    until(lambda: sorted(names(page)) == ["egg turned", "torus turned"], "names are filtered")
     page.get_by_role("combobox", name="Labels").click()
     page.get_by_role("option", name="family:egg").click()
-    until(page, lambda: names(page) == ["egg turned"], "labels are filtered")
+    until(lambda: names(page) == ["egg turned"], "labels are filtered")
     page.reload()
-    until(page, lambda: names(page) == ["egg turned"], "the address holds the filters")
+    until(lambda: names(page) == ["egg turned"], "the address holds the filters")
 
     # a collection is renamed; a shape moved, and deleted
     page.goto(page.url.split("?")[0] + "?collection=new things")
@@ -155,7 +146,7 @@ def test_shapes_are_added_named_moved_and_deleted(
     page.get_by_role("checkbox", name="Choose rod").check()
     page.get_by_role("combobox", name="Move to").click()
     page.get_by_role("option", name="bodies").click()
-    until(page, lambda: "rod" not in names(page), "it has moved")
+    until(lambda: "rod" not in names(page), "it has moved")
     assert api.get(f"/v1/shapes/{shape['id']}").json()["collection"] == "bodies"
     page.get_by_role("button", name="Change the collection rods").click()
     page.get_by_role("menuitem", name="Delete").click()
@@ -233,7 +224,7 @@ def test_what_is_like_a_shape_is_shown_beside_it(open_page: OpenPage, bank: dict
     page.locator("section[aria-label='torus turned']").wait_for()
     page.get_by_role("link", name="Go on with shapes like torus turned").click()
     page.get_by_role("heading", name="Like torus turned").wait_for()
-    until(page, lambda: hits(page)[0] == "torus", "the torus is like the torus")
+    until(lambda: hits(page)[0] == "torus", "the torus is like the torus")
     page.get_by_role("button", name="This search, as code").click()
     assert f'"shape_id":"{bank["torus turned"]}"' in page.get_by_test_id("code-curl").text_content()
 
@@ -266,7 +257,7 @@ def test_a_painted_region_is_searched_with(open_page: OpenPage, bank: dict[str, 
         page.mouse.move(x - 40 + 5 * step, y + 10 * (step % 2))
     page.mouse.up()
     told = page.get_by_test_id("painted")
-    until(page, lambda: "of the area painted" in told.text_content(), "the share is told")
+    until(lambda: "of the area painted" in told.text_content(), "the share is told")
     painted = wait_for_picture(page, "shape")
     assert np.mean(drawn(painted) != drawn(before)) < 0.002  # it was painted, not turned
     orange = (painted[..., 0].astype(int) - painted[..., 2]) > 70
@@ -311,7 +302,7 @@ def test_ten_thousand_shapes_scroll(open_page: OpenPage, bank: dict[str, str], a
         raise AssertionError(f"the last one is not reached; at the end: {names(page)[-1]}")
     assert most < 120
     page.evaluate("scrollTo(0, document.documentElement.scrollHeight / 2)")
-    until(page, lambda: any(name == "No 5000" for name in names(page)), "the middle is shown where it is")
+    until(lambda: any(name == "No 5000" for name in names(page)), "the middle is shown where it is")
 
 
 def test_pages_with_shapes_are_open_to_everyone(open_page: OpenPage, bank: dict[str, str]) -> None:

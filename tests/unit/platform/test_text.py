@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from uuid import UUID
+from types import SimpleNamespace
 
 import pytest
 from hypothesis import given
@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 from shapery_contracts.errors import UserError
 from shapery_platform.assets import clean_filename
 from shapery_platform.db import new_id
+from shapery_platform.db.models import Asset
 from shapery_platform.db.text import canonical_json, storable
-from shapery_platform.paging import checked_limit, cut_page, parse_cursor
+from shapery_platform.paging import Sort, checked_limit, cut_page, parse_sort
 
 
 @given(st.text(alphabet=st.characters(codec=None)), st.none() | st.integers(1, 50))
@@ -64,23 +65,40 @@ def test_equal_values_have_equal_json() -> None:
         canonical_json([float("nan")])
 
 
+BY_NAME = {"name": Asset.filename}
+
+
 def test_pages_are_cut_and_name_the_next() -> None:
-    rows = [new_id() for _ in range(4)]
-    assert cut_page(rows, 4, lambda row: row) == (rows, None)
-    page, cursor = cut_page(rows, 3, lambda row: row)
+    rows = [SimpleNamespace(id=new_id()) for _ in range(4)]
+    assert cut_page(rows, 4, Sort()) == (rows, None)
+    page, cursor = cut_page(rows, 3, Sort())
     assert page == rows[:3]
-    assert parse_cursor(cursor) == rows[2]
-    assert cut_page([], 3, lambda row: row) == ([], None)
+    assert parse_sort(cursor) == Sort(after=rows[2].id)
+    assert cut_page([], 3, Sort()) == ([], None)
 
 
-@pytest.mark.parametrize("cursor", ["", "x", "0" * 31, "../../x", "\0"])
-def test_cursors_of_others_are_refused(cursor: str) -> None:
+@pytest.mark.parametrize("order", ["name", "-name"])
+def test_cursors_hold_the_value_that_rows_are_ordered_by(order: str) -> None:
+    rows = [SimpleNamespace(id=new_id(), filename=name) for name in ("a", "Gefäß 1", "x" * 255, "z")]
+    sort = parse_sort(None, order, BY_NAME)
+    for count in (1, 2, 3):
+        page, cursor = cut_page(rows, count, sort, BY_NAME)
+        assert page == rows[:count]
+        assert parse_sort(cursor, order, BY_NAME).after == (rows[count - 1].filename, rows[count - 1].id)
+    with pytest.raises(UserError, match="order"):
+        parse_sort(cursor, "name" if order == "-name" else "-name", BY_NAME)
+    with pytest.raises(UserError, match="order"):
+        parse_sort(cursor)
+
+
+@pytest.mark.parametrize("cursor", ["", "x", "0" * 31, "../../x", "\0", "é", "W10=", "e30=", "WyJuYW1lIiwxLCIiXQ=="])
+@pytest.mark.parametrize("order", ["created", "name"])
+def test_cursors_of_others_are_refused(cursor: str, order: str) -> None:
     with pytest.raises(UserError) as error:
-        parse_cursor(cursor)
+        parse_sort(cursor, order, BY_NAME)
     assert error.value.code == "validation_failed"
 
 
 def test_limits_of_pages() -> None:
     assert [checked_limit(limit) for limit in (-1, 0, 1, 500, 501)] == [1, 1, 1, 500, 500]
-    assert parse_cursor(None) is None
-    assert isinstance(parse_cursor(str(new_id())), UUID)
+    assert parse_sort(None) == Sort()

@@ -64,6 +64,27 @@ def test_a_box_instead_of_a_seed_in_thick_slices() -> None:
     assert intersection_over_union(result.labels.data == 1, phantom.truth.data) >= 0.96
 
 
+def test_the_noise_of_an_object_is_no_border() -> None:
+    """A ball with a sharp border and hardly any noise: the ring around what is found first still holds some of it."""
+    at = np.moveaxis(np.indices((48, 56, 40)), 0, -1)
+    truth = np.linalg.norm(at - (20.0, 34.0, 18.0), axis=-1) < 9.0
+    values = 300 + 600 * truth + np.random.default_rng(4).normal(0, 12, truth.shape)
+    result = segment(Volume(values.astype(np.float32), np.eye(4)), params=SegmentationParams(seeds=[[20, 34, 18]]))
+    (item,) = result.report.objects
+    assert item.polarity == "bright"
+    assert intersection_over_union(result.labels.data == 1, truth) >= 0.97
+
+
+def test_nothing_leaves_the_box() -> None:
+    """A bar that goes on, as bright as before, beyond the box that is drawn around a part of it."""
+    values = np.random.default_rng(4).normal(0, 10, (64, 40, 40))
+    values[8:56, 12:28, 12:28] += 100.0
+    result = segment(Volume(values.astype(np.float32), np.eye(4)), params=SegmentationParams(box=[4, 8, 8, 30, 31, 31]))
+    found = np.argwhere(result.labels.data == 1)
+    np.testing.assert_allclose(found.min(axis=0), (8, 12, 12), atol=1)
+    np.testing.assert_allclose(found.max(axis=0), (30, 27, 27), atol=1)
+
+
 def test_a_head_is_told_from_other_things(head: HeadPhantom, tilted_head: HeadPhantom) -> None:
     assert looks_like_head(head.post)
     assert looks_like_head(tilted_head.post)

@@ -164,6 +164,21 @@ def test_spheres_that_overlap_are_refused() -> None:
         DynamicMesh(both, 1.0)
 
 
+def test_what_touched_before_is_mended_or_refused() -> None:
+    """A corner of a sphere that was pushed out through the far side."""
+    pushed = icosphere((0, 0, 0), 2.0, 3)
+    vertices = pushed.vertices.copy()
+    vertices[0] *= -1.2
+    pushed = TriangleMesh(vertices, pushed.faces)
+    assert len(self_intersections(pushed))
+    with pytest.raises(InvalidInput, match="touch others"):
+        DynamicMesh(pushed, 0.35, test=False).retriangulate(2)
+    mesh = DynamicMesh(pushed, 0.35, test=False)
+    mesh.retriangulate(2, given=False)
+    assert len(self_intersections(mesh.to_triangle_mesh())) == 0
+    assert not defects(mesh)
+
+
 @pytest.mark.parametrize("length", [0.0, -1.0, np.nan])
 def test_edge_lengths_must_be_positive(length: float) -> None:
     with pytest.raises(ValueError, match="edge length"):

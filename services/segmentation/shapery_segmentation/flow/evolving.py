@@ -220,7 +220,7 @@ class Evolution:
         """Bring the mesh, which is new or has a new edge length, to that length; every vertex begins anew."""
         mesh = self.mesh
         if rounds:
-            mesh.retriangulate(rounds)
+            mesh.retriangulate(rounds, given=self.iteration == 0)
         n = mesh.vertex_slots
         self._state = np.zeros((n, states.STATE_COLUMNS))
         self._state[:, states.GAIN] = 1.0
@@ -304,7 +304,7 @@ class Evolution:
         before = self.mesh.to_triangle_mesh()
         after = without_remains(before, least)
         if after is not before:
-            self.mesh = DynamicMesh(after, self.mesh.edge_length)
+            self.mesh = DynamicMesh(after, self.mesh.edge_length, test=False)
             self.parts = self.mesh.part_count
             self._take_up(1)
 

@@ -53,9 +53,7 @@ from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.volume import check_affine
 from shapery_segmentation.flow.evolving import Evolution
 from shapery_segmentation.flow.params import FlowResult, FlowState, NormalFlowParams, StageRecord
-
-MENDINGS = 4
-"""Rounds in which faces that touch in the end are mended."""
+from shapery_segmentation.mesh.dynamic_mesh import MENDINGS
 
 __all__ = ["FlowResult", "FlowState", "NormalFlowParams", "StageRecord", "normal_flow"]
 

@@ -65,6 +65,9 @@ CLEARANCE_SHARE = 1e-4
 LEAST_CLEARANCE = 1e-6
 """In mm."""
 
+MENDINGS = 4
+"""Rounds in which faces that touch are drawn apart."""
+
 CELL_RATIO = 1.2
 """Size of the grid's cells in mean edge lengths."""
 
@@ -269,7 +272,7 @@ class DynamicMesh:
         self.sort_cells()
         return int(motion.count_contacts(self.arrays, self.cells, np.zeros(self.vertex_slots, dtype=np.bool_)))
 
-    def mend(self, rounds: int) -> bool:
+    def mend(self, rounds: int = MENDINGS) -> bool:
         """Draw the vertices of faces that touch others to the means of their neighbours, until nothing touches.
 
         Returns
@@ -362,16 +365,24 @@ class DynamicMesh:
         self.arrays.layout[CARELESS] = 0
         return total
 
-    def retriangulate(self, rounds: int) -> None:
+    def retriangulate(self, rounds: int, *, given: bool = True) -> None:
         """Bring all edges near their target, and compact the arrays.
 
         Without care first; only where that ends in a contact everything is done again with it. Slots become
         meaningless.
 
+        Parameters
+        ----------
+        rounds
+            Of remeshing, at the most.
+        given
+            Whether the surface comes from a caller, who is told where it touched itself before. One that has moved
+            without tests is mended there, as far as that goes.
+
         Raises
         ------
         InvalidInput
-            ``invalid_mesh`` where the surface touched itself before.
+            ``invalid_mesh`` where a given surface touched itself before.
         """
         live, faces = self.live_faces()
         points, clearance = self.arrays.points[live], self.arrays.bound[CLEARANCE]
@@ -379,7 +390,10 @@ class DynamicMesh:
         if self.touches_itself():
             self._take(points, faces)
             self.arrays.bound[CLEARANCE] = clearance
-            self._refuse_contacts()
+            if given:
+                self._refuse_contacts()
+            else:
+                self.mend()
             self.remesh(rounds=rounds)
         self.compact()
 

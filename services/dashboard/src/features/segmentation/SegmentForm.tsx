@@ -200,6 +200,7 @@ function VolumeSelect({ label, description, required = false, volumes, value, kn
       data={data}
       searchable
       clearable={!required}
+      allowDeselect={!required}
       nothingFoundMessage="No volume of that name"
       maxDropdownHeight={320}
       value={value}
