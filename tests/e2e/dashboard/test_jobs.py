@@ -33,7 +33,7 @@ def step_shown(page: Any) -> int:
 
 def test_a_job_is_followed_while_it_runs(open_page: OpenPage, probe: Probe) -> None:
     page = open_page("/jobs")
-    job = probe(steps=12, step_seconds=0.5)
+    job = probe(steps=20, step_seconds=0.5)
     row = row_of(page, job)
     wait_for_state(row, "running")
     bar = row.get_by_role("progressbar")

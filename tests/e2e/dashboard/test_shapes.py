@@ -356,6 +356,7 @@ def test_the_keyboard_is_enough_to_search_by_a_region(open_page: OpenPage, bank:
     tab_to("the search", "it.textContent === 'Find this region'")
     page.keyboard.press("Enter")
     page.wait_for_url("**/shapes/search?*")
+    page.locator("[data-hit]").nth(1).wait_for(timeout=WORK)
     tab_to("the second hit", "it.textContent.startsWith('2. ') && it.getAttribute('aria-pressed') === 'false'")
     page.keyboard.press("Enter")
     page.locator("button[aria-pressed=true]", has_text="2. ").wait_for()
