@@ -211,6 +211,23 @@ def _prune(head, following, alive, v):
 
 
 @inner
+def _forget(faces, head, following, marks, v, first, second):
+    """Set the marks of all corners around a vertex to 0; return whether one of its faces has both others as corners."""
+    both, corner = False, head[v]
+    while corner >= 0:
+        f = corner // 3
+        found = 0
+        for k in range(3):
+            w = faces[f, k]
+            marks[w] = 0
+            if w in (first, second):
+                found += 1
+        both = both or found == 2
+        corner = following[corner]
+    return both
+
+
+@inner
 def _allowed(faces, head, following, rim, seen, count, a, b):
     """Whether the surface stays what it is, topologically, if an edge is collapsed.
 
@@ -253,29 +270,8 @@ def _allowed(faces, head, following, rim, seen, count, a, b):
     if common != shared or both_rims or (rim[a] and rim[b] and shared == 2):
         fine = False
     # two faces over the same edge on the far sides would come to lie on each other
-    here = there = False
-    corner = head[a]
-    while corner >= 0:
-        f = corner // 3
-        found = 0
-        for k in range(3):
-            w = faces[f, k]
-            count[w] = 0
-            if w in (first, second):
-                found += 1
-        here = here or found == 2
-        corner = following[corner]
-    corner = head[b]
-    while corner >= 0:
-        f = corner // 3
-        found = 0
-        for k in range(3):
-            w = faces[f, k]
-            seen[w] = 0
-            if w in (first, second):
-                found += 1
-        there = there or found == 2
-        corner = following[corner]
+    here = _forget(faces, head, following, count, a, first, second)
+    there = _forget(faces, head, following, seen, b, first, second)
     return fine and not (here and there)
 
 
