@@ -37,9 +37,7 @@ $(VENV)/.locked: requirements.lock | $(VENV)/.python
 $(VENV)/.ready: $(VENV)/.locked $(MEMBERS:%=%/pyproject.toml)
 	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation $(MEMBERS:%=-e %)
 	@echo "compiling the numerical kernels (once)"
-	@$(BIN)/python -m shapery_segmentation.warm
-	@$(BIN)/python -m shapery_retrieval.warm
-	@$(BIN)/python -m shapery_motion.warm
+	@printf '%s\n' segmentation retrieval motion | xargs -P 2 -I '{}' $(BIN)/python -m 'shapery_{}.warm'
 	@touch $@
 
 # The dashboard is built by the system's Node.js if that is recent enough, else by one from the Python registry.
