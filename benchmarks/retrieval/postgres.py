@@ -12,7 +12,7 @@ import psycopg
 
 from benchmarks.retrieval.growth import CHUNK, Grown, _over
 from benchmarks.retrieval.parts_growth import Moving, Query
-from shapery_contracts.retrieval import INDEX_VERSION, VECTOR_DIMENSION
+from shapery_contracts.retrieval import INDEX_VERSION, VECTOR_DIMENSION, Nearest
 from shapery_platform.db import Database, new_id
 from shapery_retrieval.arg import Arg
 from shapery_retrieval.coverage import asked_of
@@ -82,7 +82,7 @@ def on_postgres(args: Sequence[Arg], parts: Sequence[Query], size: int, queries:
         for query in (*asked[:3], *asked):
             vector = vectors_of(pack_levels([query]), whole_arrays([query]))[0].astype(np.float64)
             start = time.perf_counter()
-            found = Banks(database).of(OWNER).candidates(vector.tolist(), CANDIDATES)
+            found = Banks(database).of(OWNER).candidates(Nearest(vector=vector.tolist(), limit=CANDIDATES))
             times.append(time.perf_counter() - start)
             exact = table.nearest(vector, CANDIDATES, None)
             recall.append(len({c.shape_id for c in found} & {c.shape_id for c in exact}) / len(exact))
@@ -98,7 +98,11 @@ def on_postgres(args: Sequence[Arg], parts: Sequence[Query], size: int, queries:
         for _, hypotheses in (*parts[:3], *parts):
             asked_for = asked_of(hypotheses)
             start = time.perf_counter()
-            found = Banks(database).of(OWNER).candidates(asked_for.tolist(), PARTIAL_CANDIDATES, by="parts")
+            found = (
+                Banks(database)
+                .of(OWNER)
+                .candidates(Nearest(vector=asked_for.tolist(), limit=PARTIAL_CANDIDATES, by="parts"))
+            )
             part_times.append(time.perf_counter() - start)
             exact = part_table.nearest(asked_for, PARTIAL_CANDIDATES, None)
             part_recall.append(len({c.shape_id for c in found} & {c.shape_id for c in exact}) / len(exact))

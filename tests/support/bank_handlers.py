@@ -17,6 +17,7 @@ from shapery_contracts.errors import InvalidInput
 from shapery_contracts.handler import JobContext
 from shapery_contracts.retrieval import (
     INDEX_VERSION,
+    Nearest,
     ShapeHit,
     ShapeIndexParams,
     ShapeIndexResult,
@@ -78,7 +79,7 @@ class SearchHandler:
                 raise InvalidInput("not_found", f"There is no shape {params.shape_id}.")
             (graph,) = graphs.values()
             seed = fake.seed_of(graph)
-        near = bank.candidates(fake.vector(seed), params.limit + 1, only=params.filter)
+        near = bank.candidates(Nearest(vector=fake.vector(seed), limit=params.limit + 1, only=params.filter))
         near = [candidate for candidate in near if candidate.shape_id != params.shape_id][: params.limit]
         known = bank.args(candidate.shape_id for candidate in near)
         hits = [

@@ -16,17 +16,14 @@ import numpy as np
 import numpy.typing as npt
 from sqlalchemy.orm import Session
 
-from shapery_contracts.retrieval import INDEX_VERSION, VECTOR_DIMENSION, By, Candidate, ShapeBank, ShapeFilter
+from shapery_contracts.retrieval import INDEX_VERSION, VECTOR_DIMENSION, By, Candidate, Nearest, ShapeBank, ShapeFilter
 from shapery_platform.db import Database
 from shapery_platform.db.repositories import bank as repository
-from shapery_platform.db.types import pack_vector
 
 DEFAULT_ROOM = 512 << 20
 """Bytes that are kept in memory, beyond those of the owner who searches."""
 _MARGIN = 64
 """So many more than are wanted are measured again in 64 bits, so that rounding does not decide who is among them."""
-
-NO_FILTER = ShapeFilter()
 
 
 class VectorTable:
@@ -221,21 +218,13 @@ class _Bank:
 class MemoryBank(_Bank):
     """Compares the vectors in memory, exactly."""
 
-    def candidates(
-        self,
-        vector: Sequence[float],
-        limit: int,
-        *,
-        version: int = INDEX_VERSION,
-        only: ShapeFilter | None = None,
-        by: By = "whole",
-    ) -> Sequence[Candidate]:
+    def candidates(self, asked: Nearest) -> Sequence[Candidate]:
         """Return the nearest shapes."""
-        table = self._table(by, version)
-        if table is None or limit < 1:
+        table = self._table(asked.by, asked.version)
+        if table is None:
             return []
-        rows = None if only is None or only == NO_FILTER else self._rows(table, by, version, only)
-        return table.nearest(np.asarray(vector, np.float64), limit, rows)
+        rows = None if asked.only == ShapeFilter() else self._rows(table, asked)
+        return table.nearest(np.asarray(asked.vector, np.float64), asked.limit, rows)
 
     def _table(self, by: By, version: int) -> VectorTable | None:
         vectors = self._kept.vectors.get(by)
@@ -245,11 +234,12 @@ class MemoryBank(_Bank):
                 vectors.refresh(session, self._owner, by, self._kept.revision, self._kept.removals)
         return vectors.tables.get(version)
 
-    def _rows(self, table: VectorTable, by: By, version: int, filter_: ShapeFilter) -> npt.NDArray[np.intp]:
-        key = by, version, filter_.model_dump_json()
+    def _rows(self, table: VectorTable, asked: Nearest) -> npt.NDArray[np.intp]:
+        key = asked.by, asked.version, asked.only.model_dump_json()
         if key not in self._kept.rows:
+            only = asked.only
             with self._database.session(readonly=True) as session:
-                ids = repository.ids(session, self._owner, version, filter_.collection, filter_.labels)
+                ids = repository.ids(session, self._owner, asked.version, only.collection, only.labels)
             self._kept.rows[key] = table.rows(ids)
         return self._kept.rows[key]
 
@@ -257,22 +247,9 @@ class MemoryBank(_Bank):
 class PostgresBank(_Bank):
     """Asks PostgreSQL, whose index finds nearly all of the nearest shapes, in numbers of 16 bits."""
 
-    def candidates(
-        self,
-        vector: Sequence[float],
-        limit: int,
-        *,
-        version: int = INDEX_VERSION,
-        only: ShapeFilter | None = None,
-        by: By = "whole",
-    ) -> Sequence[Candidate]:
+    def candidates(self, asked: Nearest) -> Sequence[Candidate]:
         """Return the nearest shapes."""
-        if limit < 1:
-            return []
-        asked = only or NO_FILTER
         with self._database.session(readonly=True) as session:
-            rows = repository.nearest(
-                session, self._owner, version, pack_vector(vector), limit, asked.collection, asked.labels, by
-            )
+            rows = repository.nearest(session, self._owner, asked)
         found = (Candidate(str(row.id), row.distance, row.vector) for row in rows)
         return sorted(found, key=lambda candidate: (candidate.distance, candidate.shape_id))

@@ -15,7 +15,7 @@ import threading
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from shapery_contracts.retrieval import INDEX_VERSION, VECTOR_DIMENSION, By, Candidate, ShapeBank, ShapeFilter
+from shapery_contracts.retrieval import VECTOR_DIMENSION, Candidate, Nearest, ShapeBank
 
 logger = logging.getLogger(__name__)
 
@@ -35,32 +35,15 @@ class BankClient:
         self._socket = socket.socket(fileno=descriptor)
         self._stream = self._socket.makefile("rwb")
 
-    def candidates(
-        self,
-        vector: Sequence[float],
-        limit: int,
-        *,
-        version: int = INDEX_VERSION,
-        only: ShapeFilter | None = None,
-        by: By = "whole",
-    ) -> Sequence[Candidate]:
+    def candidates(self, asked: Nearest) -> Sequence[Candidate]:
         """Return the nearest shapes."""
-        answer = self._ask(
-            {
-                "ask": "candidates",
-                "vector": [float(x) for x in vector],
-                "limit": int(limit),
-                "version": version,
-                "only": None if only is None else only.model_dump(mode="json"),
-                "by": by,
-            }
-        )
+        answer = self._ask({"nearest": asked.model_dump(mode="json")})
         size = 4 * VECTOR_DIMENSION
         return [Candidate(shape_id, distance, self._stream.read(size)) for shape_id, distance in answer["found"]]
 
     def args(self, ids: Iterable[str]) -> Mapping[str, bytes]:
         """Return graphs by id."""
-        answer = self._ask({"ask": "args", "ids": list(ids)})
+        answer = self._ask({"ids": list(ids)})
         return {shape_id: self._stream.read(size) for shape_id, size in answer["sizes"]}
 
     def close(self) -> None:
@@ -124,17 +107,10 @@ class BankServer:
 
     def _answer(self, question: dict[str, Any]) -> tuple[dict[str, Any], Iterable[bytes]]:
         try:
-            if question["ask"] == "args":
+            if "ids" in question:
                 graphs = self._bank.args(question["ids"])
                 return {"sizes": [(shape_id, len(graph)) for shape_id, graph in graphs.items()]}, graphs.values()
-            asked = question["only"]
-            found = self._bank.candidates(
-                question["vector"],
-                question["limit"],
-                version=question["version"],
-                only=None if asked is None else ShapeFilter.model_validate(asked),
-                by=question["by"],
-            )
+            found = self._bank.candidates(Nearest.model_validate(question["nearest"]))
             return {"found": [candidate[:2] for candidate in found]}, (candidate.vector for candidate in found)
         except Exception as error:
             logger.exception("the shape database could not be read")

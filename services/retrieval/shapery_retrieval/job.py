@@ -14,6 +14,7 @@ from shapery_contracts.handler import JobContext
 from shapery_contracts.retrieval import (
     By,
     IndexStage,
+    Nearest,
     PartMatch,
     ShapeBank,
     ShapeHit,
@@ -231,7 +232,7 @@ def search_bank(
     known = vector_of(query.arg) if query.vector is None and not partial else query.vector
     vector = asked_of(hypotheses) if known is None or partial else known
     limit = max(PARTIAL_CANDIDATES if partial else CANDIDATES, 2 * params.limit)
-    near = bank.candidates(vector.tolist(), limit, version=version, only=params.filter, by=by)
+    near = bank.candidates(Nearest(vector=vector.tolist(), limit=limit, by=by, only=params.filter, version=version))
     seconds["candidates"] = time.perf_counter() - start
     start = stage("match", 0.7)
     searchers = searchers or Searchers()

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from shapery_contracts.errors import InvalidInput
-from shapery_contracts.retrieval import INDEX_VERSION, By, Candidate, ShapeFilter
+from shapery_contracts.retrieval import INDEX_VERSION, Candidate, Nearest, ShapeFilter
 from shapery_retrieval.arg import Arg
 from shapery_retrieval.coverage import coverage_of
 from shapery_retrieval.vector import vector_of
@@ -108,28 +108,20 @@ class LocalBank:
         with self._database:
             return self._database.execute("DELETE FROM shapes WHERE name = ?", (name,)).rowcount > 0
 
-    def candidates(
-        self,
-        vector: Sequence[float],
-        limit: int,
-        *,
-        version: int = INDEX_VERSION,
-        only: ShapeFilter | None = None,
-        by: By = "whole",
-    ) -> Sequence[Candidate]:
+    def candidates(self, asked: Nearest) -> Sequence[Candidate]:
         """See `ShapeBank.candidates`; there are neither collections nor labels here."""
-        if only is not None and (only.collection is not None or only.labels):
+        if asked.only != ShapeFilter():
             raise InvalidInput("invalid_params", "A bank in a file has neither collections nor labels.")
         rows = self._database.execute(
             "SELECT name, CASE ? WHEN 'parts' THEN part_vector ELSE vector END AS compared FROM shapes "
             "WHERE index_version = ? AND compared IS NOT NULL ORDER BY name",
-            (by, version),
+            (asked.by, asked.version),
         ).fetchall()
         if not rows:
             return []
         stored = np.frombuffer(b"".join(row[1] for row in rows), dtype="<f4").reshape(len(rows), -1)
-        distances = np.linalg.norm(stored - np.asarray(vector, dtype=np.float32), axis=1)
-        order = np.argsort(distances, kind="stable")[:limit]
+        distances = np.linalg.norm(stored - np.asarray(asked.vector, dtype=np.float32), axis=1)
+        order = np.argsort(distances, kind="stable")[: asked.limit]
         return [Candidate(rows[i][0], float(distances[i]), rows[i][1]) for i in order.tolist()]
 
     def args(self, ids: Iterable[str]) -> Mapping[str, bytes]:

@@ -193,19 +193,23 @@ class Candidate(NamedTuple):
     """Its vector by which it was found: `VECTOR_DIMENSION` little-endian 32-bit numbers."""
 
 
+class Nearest(BaseModel):
+    """Which candidates a search asks a bank for."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    vector: Annotated[list[float], Field(min_length=VECTOR_DIMENSION, max_length=VECTOR_DIMENSION)]
+    limit: Annotated[int, Field(ge=1)]
+    by: By = "whole"
+    only: ShapeFilter = ShapeFilter()
+    version: int = INDEX_VERSION
+
+
 class ShapeBank(Protocol):
     """What a search reads of the shape database. It shows one owner's shapes only."""
 
-    def candidates(
-        self,
-        vector: Sequence[float],
-        limit: int,
-        *,
-        version: int = INDEX_VERSION,
-        only: ShapeFilter | None = None,
-        by: By = "whole",
-    ) -> Sequence[Candidate]:
-        """Return the `limit` shapes of an index version nearest to `vector`, nearest first, ties by id."""
+    def candidates(self, asked: Nearest) -> Sequence[Candidate]:
+        """Return the nearest shapes of the index version, nearest first, ties by id."""
 
     def args(self, ids: Iterable[str]) -> Mapping[str, bytes]:
         """Return the serialised graphs of shapes by id; ids that are not there are left out.

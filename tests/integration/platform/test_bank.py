@@ -14,7 +14,7 @@ from uuid import UUID, uuid4
 import pytest
 from sqlalchemy import text, update
 
-from shapery_contracts.retrieval import INDEX_VERSION, VECTOR_DIMENSION, By, ShapeBank, ShapeFilter
+from shapery_contracts.retrieval import INDEX_VERSION, VECTOR_DIMENSION, By, Nearest, ShapeBank, ShapeFilter
 from shapery_contracts.shapes import ShapeUpdate
 from shapery_platform import shapes
 from shapery_platform.db import Database
@@ -25,11 +25,14 @@ from shapery_worker.bank_line import BankClient, BankServer
 from tests.integration.platform.conftest import Claim, Index
 from tests.support import shapes as fake
 
+EVERYTHING = ShapeFilter()
+
 
 def found(
-    bank: ShapeBank, seed: int, limit: int = 100, only: ShapeFilter | None = None, by: By = "whole"
+    bank: ShapeBank, seed: int, limit: int = 100, only: ShapeFilter = EVERYTHING, by: By = "whole"
 ) -> list[tuple[str, float]]:
-    return [(near.shape_id, near.distance) for near in bank.candidates(fake.vector(seed), limit, only=only, by=by)]
+    asked = Nearest(vector=fake.vector(seed), limit=limit, only=only, by=by)
+    return [(near.shape_id, near.distance) for near in bank.candidates(asked)]
 
 
 def expected(ids: dict[str, int], seed: int, limit: int = 100) -> list[tuple[str, float]]:
@@ -66,7 +69,6 @@ def test_the_nearest_are_found_while_shapes_come_and_go(database: Database, inde
                 shape_id: fake.seed_of(graph) for shape_id, graph in bank.args([*there, str(uuid4())]).items()
             } == there
     assert [shape_id for shape_id, _ in found(banks.of("ann"), 5, 3)] == [i for i, _ in expected(there, 5, 3)]
-    assert found(banks.of("ann"), 5, 0) == []
 
 
 def test_filters_and_owners(database: Database, index: Index) -> None:
@@ -104,18 +106,18 @@ def test_versions_never_mix(database: Database, index: Index) -> None:
     banks = Banks(database)
     assert [shape_id for shape_id, _ in found(banks.of("ann"), 1)] == [new]
     assert list(banks.of("ann").args([old, new])) == [new]
-    before = banks.of("ann").candidates(fake.vector(1), 9, version=INDEX_VERSION - 1)
+    before = banks.of("ann").candidates(Nearest(vector=fake.vector(1), limit=9, version=INDEX_VERSION - 1))
     assert [candidate.shape_id for candidate in before] == [old]
     with database.session() as session:  # shapes of former versions have no vector of parts
         session.execute(update(Shape).where(Shape.id == UUID(old)).values(part_vector=None))
     for bank in (banks.of("ann"), Banks(database).of("ann")):
-        assert bank.candidates(fake.vector(1), 9, version=INDEX_VERSION - 1, by="parts") == []
-        assert [candidate.shape_id for candidate in bank.candidates(fake.vector(1), 9, by="parts")] == [new]
+        assert bank.candidates(Nearest(vector=fake.vector(1), limit=9, version=INDEX_VERSION - 1, by="parts")) == []
+        assert [shape_id for shape_id, _ in found(bank, 1, by="parts")] == [new]
     index(1, replaces=old)
     assert {shape_id for shape_id, _ in found(banks.of("ann"), 1, by="parts")} == {old, new}
     assert {shape_id for shape_id, _ in found(banks.of("ann"), 1)} == {old, new}
     assert list(banks.of("ann").args([old])) == [old]
-    assert banks.of("ann").candidates(fake.vector(1), 9, version=INDEX_VERSION - 1) == []
+    assert banks.of("ann").candidates(Nearest(vector=fake.vector(1), limit=9, version=INDEX_VERSION - 1)) == []
 
 
 @pytest.mark.slow
@@ -191,10 +193,11 @@ def test_a_handler_reads_the_same_over_its_line(database: Database, index: Index
         odd = ShapeFilter(collection="odd")
         assert found(client, 3, 2, odd) == found(bank, 3, 2, odd)
         assert found(client, 3, 2, odd, "parts") == found(bank, 3, 2, odd, "parts")
-        assert client.candidates(fake.vector(3), 4) == bank.candidates(fake.vector(3), 4), "with their vectors"
+        four = Nearest(vector=fake.vector(3), limit=4)
+        assert client.candidates(four) == bank.candidates(four), "with their vectors"
         assert client.args([*there, str(uuid4())]) == bank.args(there)
         assert client.args([]) == {}
-        assert client.candidates(fake.vector(1), 3, version=99) == []
+        assert client.candidates(Nearest(vector=fake.vector(1), limit=3, version=99)) == []
 
 
 def test_a_line_that_breaks_is_told(database: Database, index: Index) -> None:

@@ -16,6 +16,7 @@ from shapery_client.cli import app
 from shapery_contracts.errors import InvalidInput, Unavailable
 from shapery_contracts.retrieval import (
     VECTOR_DIMENSION,
+    Nearest,
     ShapeFilter,
     ShapeIndexParams,
     ShapeSearchParams,
@@ -81,19 +82,19 @@ def test_a_bank_gives_back_what_was_put_in(bank: LocalBank, described_egg: Descr
 def test_candidates_are_the_nearest_of_the_version(bank: LocalBank, described_egg: Description) -> None:
     vector = vector_of(described_egg.arg)
     assert vector.shape == (VECTOR_DIMENSION,)
-    found = bank.candidates(vector.tolist(), 5)
+    found = bank.candidates(Nearest(vector=vector.tolist(), limit=5))
     assert [candidate.shape_id for candidate in found] == ["egg", "torus"]
     assert found[0].distance == pytest.approx(0, abs=1e-5)
     assert found[1].distance > 0.1
-    assert bank.candidates(vector.tolist(), 1) == [found[0]]
-    assert bank.candidates(vector.tolist(), 5, version=99) == []
+    assert bank.candidates(Nearest(vector=vector.tolist(), limit=1)) == [found[0]]
+    assert bank.candidates(Nearest(vector=vector.tolist(), limit=5, version=99)) == []
     with pytest.raises(InvalidInput, match="neither collections nor labels"):
-        bank.candidates(vector.tolist(), 5, only=ShapeFilter(collection="x"))
+        bank.candidates(Nearest(vector=vector.tolist(), limit=5, only=ShapeFilter(collection="x")))
 
 
 def test_candidates_for_a_part_are_those_that_cover_it(bank: LocalBank, described_torus: Description) -> None:
     asked = asked_of([patches_of(described_torus.arg)])
-    found = bank.candidates(asked.tolist(), 5, by="parts")
+    found = bank.candidates(Nearest(vector=asked.tolist(), limit=5, by="parts"))
     assert [candidate.shape_id for candidate in found] == ["torus", "egg"]
     covered = coverage_of(described_torus.arg)
     assert found[0].distance == pytest.approx(np.linalg.norm(covered - asked), rel=1e-5)
@@ -115,11 +116,11 @@ def test_a_bank_of_a_former_version_is_opened_and_its_shapes_are_left_out(
     with LocalBank(path) as bank:
         assert bank.outdated() == 2
         assert bank.args(["egg"]) == {}
-        assert bank.candidates(coverage_of(described_egg.arg).tolist(), 5, by="parts") == []
+        assert bank.candidates(Nearest(vector=coverage_of(described_egg.arg).tolist(), limit=5, by="parts")) == []
         assert not bank.holds("egg", b"egg")
         bank.put("egg", b"egg", described_egg.arg)
         assert bank.outdated() == 1
-        (found,) = bank.candidates(coverage_of(described_egg.arg).tolist(), 5, by="parts")
+        (found,) = bank.candidates(Nearest(vector=coverage_of(described_egg.arg).tolist(), limit=5, by="parts"))
         assert (found.shape_id, found.distance) == ("egg", pytest.approx(0, abs=1e-5))
 
 

@@ -10,10 +10,10 @@ from uuid import UUID
 from sqlalchemy import Float, Row, bindparam, func, select, text
 from sqlalchemy.orm import Session
 
-from shapery_contracts.retrieval import VECTOR_DIMENSION, By
+from shapery_contracts.retrieval import VECTOR_DIMENSION, By, Nearest
 from shapery_platform.db.models import Bank, Collection, Shape, ShapeGraph
 from shapery_platform.db.repositories.shapes import narrowed
-from shapery_platform.db.types import SentHalfVector, Vector
+from shapery_platform.db.types import SentHalfVector, Vector, pack_vector
 
 _AT_ONCE = 500
 _COLUMNS: dict[By, Any] = {"whole": Shape.vector, "parts": Shape.part_vector}
@@ -48,36 +48,27 @@ def ids(
     return session.scalars(query).all()
 
 
-def nearest(
-    session: Session,
-    owner: str,
-    version: int,
-    vector: bytes,
-    limit: int,
-    collection: str | None,
-    labels: Mapping[str, str],
-    by: By,
-) -> Sequence[Row[tuple[UUID, float, bytes]]]:
+def nearest(session: Session, owner: str, asked: Nearest) -> Sequence[Row[tuple[UUID, float, bytes]]]:
     """Return ids, distances and vectors of the shapes nearest to a vector; PostgreSQL alone can tell.
 
     The index of neighbours is walked on until enough of them meet the conditions (pgvector 0.8).
     """
     session.execute(text("SET LOCAL hnsw.iterative_scan = strict_order"))
-    session.execute(text(f"SET LOCAL hnsw.ef_search = {min(1000, max(100, 2 * limit)):d}"))
-    query = bindparam("vector", vector, type_=Vector(VECTOR_DIMENSION))
-    column: Any = _COLUMNS[by]
+    session.execute(text(f"SET LOCAL hnsw.ef_search = {min(1000, max(100, 2 * asked.limit)):d}"))
+    query = bindparam("vector", pack_vector(asked.vector), type_=Vector(VECTOR_DIMENSION))
+    column: Any = _COLUMNS[asked.by]
     sent = func.halfvec_send(column, type_=SentHalfVector())
     distance: Any = column.op("<->", return_type=Float())(query)
     return session.execute(
         select(Shape.id, distance.label("distance"), sent.label("vector"))
         .where(
             Shape.owner == owner,
-            Shape.index_version == version,
+            Shape.index_version == asked.version,
             column.is_not(None),
-            *_conditions(collection, labels),
+            *_conditions(asked.only.collection, asked.only.labels),
         )
         .order_by(distance)
-        .limit(limit)
+        .limit(asked.limit)
     ).all()
 
 
