@@ -13,7 +13,7 @@ Array = NDArray[Any]
 
 @njit(cache=True, nogil=True)
 def _value_at(image: Array, matrix: Array, offset: Array, i: int, j: int, k: int, outside: float) -> float:
-    """Return the trilinear value of `image` at ``matrix @ (i, j, k) + offset``, where voxels beyond it are `outside`."""
+    """Return the trilinear value of `image` at ``matrix @ (i, j, k) + offset``, beyond it `outside`."""
     x = matrix[0, 0] * i + matrix[0, 1] * j + matrix[0, 2] * k + offset[0]
     y = matrix[1, 0] * i + matrix[1, 1] * j + matrix[1, 2] * k + offset[1]
     z = matrix[2, 0] * i + matrix[2, 1] * j + matrix[2, 2] * k + offset[2]
