@@ -99,7 +99,7 @@ def tables() -> Found:
     peers = peer_matrices([peers_of(mesh_of(n)) for n in NUMBERS])
     matrices = {"D2": matrices["D2"], **peers, **matrices}
     curves = {name: precision_recall(relevance(matrices[name], LABELS)) for name in SHOWN}
-    draw_precision_recall(curves, RESULTS / "retrieval_precision_recall.png")
+    draw_precision_recall(curves, RESULTS / "retrieval_precision_recall.png", others=SHOWN[:4], relevant=PER_CLASS - 1)
     draw_class_matrix(class_matrix(matrices[PURE], LABELS), CLASSES, RESULTS / "retrieval_classes.png")
     by_class = {
         key: {

@@ -13,10 +13,11 @@ import numpy as np
 
 from shapery_contracts.errors import InvalidInput, UserError
 from shapery_contracts.retrieval import ShapeSearchParams, ShapeSearchResult
-from shapery_geometry.mesh_io import read_mesh, read_mesh_bytes
+from shapery_geometry.mesh_io import read_mesh_bytes
 from shapery_retrieval.arg import Arg
-from shapery_retrieval.describe import build_arg, describe
-from shapery_retrieval.job import Query, search_bank
+from shapery_retrieval.describe import build_arg
+from shapery_retrieval.job import query_for, search_bank
+from shapery_retrieval.laid_out import Searchers
 from shapery_retrieval.local import open_bank
 from shapery_retrieval.search import score_matrix
 
@@ -49,12 +50,25 @@ def index_files(paths: Sequence[Path], bank: Path, processes: int, on_progress: 
     return sorted(outcomes, key=lambda outcome: str(outcome["name"]))
 
 
-def search_file(path: Path, bank: Path, params: ShapeSearchParams) -> ShapeSearchResult:
-    """Search a bank by a mesh in a file."""
+def search(query: str, bank: Path, params: ShapeSearchParams) -> ShapeSearchResult:
+    """Search a bank by a mesh in a file, or else by a shape that the bank holds under this name.
+
+    Raises
+    ------
+    InvalidInput
+        ``not_found`` where there is no bank, or neither such a file nor such a shape; what `query_for` refuses.
+    """
+    path = Path(query)
     with open_bank(bank, must_exist=True) as stored:
-        found = describe(read_mesh(path))
-        hypotheses = found.hypotheses() if params.mode == "partial" else ()
-        return search_bank(Query(found.arg, hypotheses=hypotheses), params, stored, None, {})
+        if path.is_file():
+            mesh_file: Path | None = path
+        elif query in stored.names():
+            mesh_file, params = None, params.model_copy(update={"shape_id": query})
+        else:
+            raise InvalidInput("not_found", f"{query} is neither a file nor a shape of the bank at {bank}.")
+        searchers = Searchers()
+        asked = query_for(params, mesh_file, stored, None, searchers)
+        return search_bank(asked, params, stored, None, {}, searchers)
 
 
 def write_matrix(bank: Path, out: Path, *, rerank: bool = False) -> int:

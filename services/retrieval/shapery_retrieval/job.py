@@ -136,7 +136,7 @@ class ShapeSearchHandler:
             from shapery_retrieval.laid_out import Searchers
 
             self._searchers = Searchers()  # a process that answers many queries asks this very handler
-        query = self._query(params, inputs, bank, context, self._searchers)
+        query = query_for(params, inputs.get("mesh"), bank, context, self._searchers)
         seconds["index"] = time.perf_counter() - start
         result = search_bank(query, params, bank, context, seconds, self._searchers)
         context.stage("write", 0.98)
@@ -144,47 +144,70 @@ class ShapeSearchHandler:
         context.progress(1.0)
         return result
 
-    def _query(
-        self,
-        params: ShapeSearchParams,
-        inputs: Mapping[str, Path],
-        bank: ShapeBank,
-        context: JobContext,
-        searchers: Searchers,
-    ) -> Query:
-        from shapery_geometry.mesh_io import read_mesh
-        from shapery_retrieval.describe import describe
-        from shapery_retrieval.report import write_views
-        from shapery_retrieval.search import parts_in, region_of
 
-        shares: list[NDArray[np.float64]] | None = None
-        hypotheses: Sequence[Patches] = ()
-        vector: NDArray[np.float64] | None = None
-        if params.shape_id is not None and not (params.region is not None and "mesh" in inputs):
-            if params.region is not None:
-                raise InvalidInput("invalid_params", "A region is of the faces of a mesh, which was not given.")
-            stored = searchers.stored(bank, params.shape_id)
-            if stored is None:
-                raise InvalidInput("not_found", f"There is no shape {params.shape_id!r} in the bank.")
-            query, vector = stored.arg, stored.vector
-        elif "mesh" in inputs:
-            mesh = read_mesh(inputs["mesh"])
+def query_for(
+    params: ShapeSearchParams,
+    mesh_file: Path | None,
+    bank: ShapeBank,
+    context: JobContext | None,
+    searchers: Searchers,
+) -> Query:
+    """Return what is searched with: a mesh or a stored shape, whole or a region of it.
+
+    Parameters
+    ----------
+    params
+        What is asked.
+    mesh_file
+        The mesh to query by, or that of the stored shape where faces of it are; None for a stored shape.
+    bank
+        Where a stored shape is.
+    context
+        For progress, and for what viewers need of a mesh; may be None.
+    searchers
+        What earlier queries have read.
+
+    Raises
+    ------
+    InvalidInput
+        ``missing_input`` with neither mesh nor shape, ``not_found`` for a shape that is not there, ``invalid_params``
+        for faces or parts that are not there, and what `shapery_retrieval.describe.describe` refuses.
+    """
+    from shapery_geometry.mesh_io import read_mesh
+    from shapery_retrieval.describe import describe
+    from shapery_retrieval.report import write_views
+    from shapery_retrieval.search import parts_in, region_of
+
+    shares: list[NDArray[np.float64]] | None = None
+    hypotheses: Sequence[Patches] = ()
+    vector: NDArray[np.float64] | None = None
+    if params.shape_id is not None and not (params.region is not None and mesh_file is not None):
+        if params.region is not None:
+            raise InvalidInput("invalid_params", "A region is of the faces of a mesh, which was not given.")
+        stored = searchers.stored(bank, params.shape_id)
+        if stored is None:
+            raise InvalidInput("not_found", f"There is no shape {params.shape_id!r} in the bank.")
+        query, vector = stored.arg, stored.vector
+    elif mesh_file is not None:
+        mesh = read_mesh(mesh_file)
+        if context is not None:
             context.check_cancelled()
             context.stage("index", 0.05)
-            found = describe(mesh)
+        found = describe(mesh)
+        if context is not None:
             write_views(mesh, found, context.output)
-            query = found.arg
-            if params.region is not None:
-                shares = found.region_shares(mesh, params.region)
-            elif params.mode == "partial" and params.parts is None:
-                hypotheses = found.hypotheses()
-        else:
-            raise InvalidInput("missing_input", "Give a mesh, or name a stored shape.")
-        if params.parts is not None:
-            shares = _shares_of_parts(query, params.parts)
-        if shares is None:
-            return Query(query, hypotheses=hypotheses, vector=vector)
-        return Query(region_of(query, shares), parts_in(query, shares))
+        query = found.arg
+        if params.region is not None:
+            shares = found.region_shares(mesh, params.region)
+        elif params.mode == "partial" and params.parts is None:
+            hypotheses = found.hypotheses()
+    else:
+        raise InvalidInput("missing_input", "Give a mesh, or name a stored shape.")
+    if params.parts is not None:
+        shares = _shares_of_parts(query, params.parts)
+    if shares is None:
+        return Query(query, hypotheses=hypotheses, vector=vector)
+    return Query(region_of(query, shares), parts_in(query, shares))
 
 
 def search_bank(

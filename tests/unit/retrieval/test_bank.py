@@ -255,6 +255,23 @@ def test_the_commands_from_files_to_a_matrix(tmp_path: Path) -> None:
     hits = json.loads(found.stdout)["hits"]
     assert [hit["shape_id"] for hit in hits] == ["torus.obj", "egg.ply"]
     assert hits[0]["score"] == pytest.approx(1, abs=1e-4)
+    stored = run.invoke(app, ["search", "torus.obj", "--bank", bank, "--json"])
+    assert [hit["shape_id"] for hit in json.loads(stored.stdout)["hits"]] == ["egg.ply"]
+    by_parts = run.invoke(app, ["search", "egg.ply", "--bank", bank, "--part", "1", "--part", "2", "--json"])
+    assert json.loads(by_parts.stdout)["mode"] == "partial"
+    assert all(len(hit["matches"]) <= 2 for hit in json.loads(by_parts.stdout)["hits"])
+    faces = tmp_path / "faces.txt"
+    faces.write_text("\n".join(str(face) for face in range(300)))
+    asked = ["search", str(tmp_path / "torus.obj"), "--bank", bank, "--region", str(faces), "--json"]
+    assert json.loads(run.invoke(app, asked).stdout)["hits"][0]["shape_id"] == "torus.obj"
+    faces.write_text("1 2 three")
+    for options, told in (
+        (["--region", str(faces)], "no list of the numbers of faces"),
+        (["--collection", "bones"], "neither collections nor labels"),
+        (["--part", "99"], "32 parts"),
+    ):
+        refused = run.invoke(app, ["search", "egg.ply", "--bank", bank, *options])
+        assert told in str(refused.exception or refused.output)
     for options in ([], ["--rerank"]):
         out = tmp_path / "scores.npz"
         assert run.invoke(app, ["matrix", "--bank", bank, "--out", str(out), *options]).exit_code == 0

@@ -15,7 +15,7 @@ from shapery_client.cli._output import REFUSED, JsonOption, print_json, print_ta
 from shapery_client.cli._server import KeyOption, OptionalServerOption, connect
 from shapery_client.cli.collections import LabelOption, parse_labels
 from shapery_contracts.errors import InvalidInput, Unavailable
-from shapery_contracts.retrieval import DEFAULT_COLLECTION, ShapeSearchParams, ShapeSearchResult
+from shapery_contracts.retrieval import DEFAULT_COLLECTION, ShapeFilter, ShapeSearchParams, ShapeSearchResult
 from shapery_contracts.shapes import SearchAnswer
 
 BankOption = Annotated[Path, typer.Option(help="The file that holds the bank.")]
@@ -72,7 +72,9 @@ def index(
 
 
 def search(
-    mesh: Annotated[str, typer.Argument(help="The mesh to query by; on a server, or the id of a shape.")],
+    mesh: Annotated[
+        str, typer.Argument(help="The mesh to query by, or a shape of the bank: its name, on a server its id.")
+    ],
     bank: OptionalBankOption = None,
     limit: Annotated[int, typer.Option(min=1, max=200, help="How many shapes at most.")] = DEFAULTS.limit,
     partial: Annotated[bool, typer.Option(help="The query may be a part of what is looked for.")] = False,
@@ -80,27 +82,40 @@ def search(
     collection: Annotated[str | None, typer.Option(help="On a server: only shapes of this collection.")] = None,
     label: LabelOption = None,
     part: Annotated[
-        list[int] | None, typer.Option(min=0, help="On a server: search with these parts of the query's finest level.")
+        list[int] | None,
+        typer.Option(min=0, help="Search with this part of the query's finest level alone; repeat for several."),
+    ] = None,
+    region: Annotated[
+        Path | None,
+        typer.Option(help="Search with some faces of the query alone: a text file of their numbers, from 0."),
     ] = None,
     server: OptionalServerOption = None,
     api_key: KeyOption = None,
     json: JsonOption = False,
 ) -> None:
-    """Find the shapes of a bank that resemble a mesh."""
+    """Find the shapes of a bank that resemble a mesh, or contain a region of one."""
+    faces = None if region is None else _face_numbers(region)
     mode: Literal["global", "partial"] = "partial" if partial else "global"
     result: ShapeSearchResult | SearchAnswer
     if bank is None:
         labels = parse_labels(label)
         with connect(_needed(server), api_key) as client:
             result = search_on_server(
-                client, mesh, mode=mode, collection=collection, labels=labels, limit=limit, rerank=rerank, parts=part
+                client,
+                mesh,
+                mode=mode,
+                collection=collection,
+                labels=labels,
+                limit=limit,
+                rerank=rerank,
+                parts=part,
+                region=faces,
             )
         names = {hit.shape_id: f"{hit.shape_id}  {hit.shape.name}" for hit in result.hits}
     else:
-        if not Path(mesh).is_file():
-            raise InvalidInput("missing_input", f"The file for 'mesh', {mesh}, does not exist.")
-        params = ShapeSearchParams(mode=mode, limit=limit, rerank=rerank)
-        result = ShapeSearchResult.model_validate(_service().search_file(Path(mesh), bank, params))
+        only = ShapeFilter(collection=collection, labels=parse_labels(label))
+        params = ShapeSearchParams(mode=mode, limit=limit, rerank=rerank, parts=part or None, region=faces, filter=only)
+        result = ShapeSearchResult.model_validate(_service().search(mesh, bank, params))
         names = {hit.shape_id: hit.shape_id for hit in result.hits}
     if json:
         print_json(result)
@@ -109,7 +124,7 @@ def search(
         (place, names[hit.shape_id], f"{hit.score:.4f}", hit.level, " ".join(f"{s:.3f}" for s in hit.level_scores))
         for place, hit in enumerate(result.hits, start=1)
     ]
-    print_table(("rank", "shape", "score", "best level", "scores by level"), rows, "The bank is empty.")
+    print_table(("rank", "shape", "score", "best level", "scores by level"), rows, "There is no such shape.")
 
 
 def matrix(
@@ -121,6 +136,16 @@ def matrix(
     work = _service()
     count = work.write_matrix(bank, out, rerank=rerank)
     stdout.print(f"{count} × {count} scores, written to {out}", markup=False)
+
+
+def _face_numbers(path: Path) -> list[int]:
+    try:
+        numbers = [int(word) for word in path.read_text().replace(",", " ").split()]
+    except (OSError, ValueError) as error:
+        raise InvalidInput("invalid_params", f"{path} is no list of the numbers of faces: {error}.") from error
+    if not numbers or min(numbers) < 0:
+        raise InvalidInput("invalid_params", f"{path} names no faces, or one below 0.")
+    return numbers
 
 
 def _needed(server: str | None) -> str:
