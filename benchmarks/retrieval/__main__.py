@@ -218,6 +218,15 @@ PARTS_OF_IT: dict[str, Callable[[], Found]] = {
 }
 
 
+def write_page() -> None:
+    """Write the page from what has been measured so far; searches over HTTP are `benchmarks.search_over_http`'s."""
+    found = json.loads((RESULTS / "retrieval.json").read_text())
+    over_http = RESULTS / "search_over_http.json"
+    if over_http.exists():
+        found["http"] = json.loads(over_http.read_text())
+    (RESULTS / "retrieval.md").write_text(report(found))
+
+
 def main() -> None:
     """Measure and write."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -233,7 +242,7 @@ def main() -> None:
         found = PARTS_OF_IT[name]()
         known = json.loads(path.read_text()) if path.exists() else {}
         path.write_text(json.dumps({**known, **found}, indent=1) + "\n")
-        (RESULTS / "retrieval.md").write_text(report({**known, **found}))
+        write_page()
         print(f"{name} is measured", flush=True)
 
 
