@@ -6,8 +6,8 @@ What the object is follows from the data around the seed:
    minimax path). As the tolerance grows, the region fills the object, then stays nearly as it is while the tolerance
    passes through the border, then leaks. The region at the stillest of these places is the object, roughly: an extremal
    region that is maximally stable (Matas et al., 2004), but around the seed's intensity and to both sides of it.
-2. **Polarity.** The ring of voxels around the region tells what the object borders on: darker tissue, brighter, or
-   both. The border lies half-way to each, where partial volume puts it.
+2. **Polarity.** The voxels around the region tell what the object borders on: darker tissue, brighter, or both. The
+   border lies half-way to each, where partial volume puts it.
 3. **Flow.** U is the distance to the nearer of these borders in units of the noise, positive inside; the density gate
    of the tumor's way keeps the surface out of leaks, and the normal flow does the rest.
 
@@ -21,6 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -86,8 +87,14 @@ sensitivity of coils varies over more."""
 LARGEST_SURFACE = 40_000
 """Vertices at about which edges get longer instead."""
 
-RING = (1, 3)
-"""Voxels from the region at which its surroundings are looked at."""
+FARTHEST = 10
+"""Voxels beyond which an object's surroundings are not looked at."""
+
+RING_FROM, RING = 1, 2
+"""Voxels from the region at which its surroundings begin at the earliest, and how far they are looked at."""
+
+FLAT = 0.05
+"""Share of the contrast; where a further voxel adds less, the surroundings are themselves and no mixture."""
 
 LEAST_SIDE = 0.1
 """Share of the ring that must be darker (brighter) for the object to have a border to that side."""
@@ -182,9 +189,10 @@ def recover_object(
     inside = np.ascontiguousarray(region[box])
     if coarse is not canonical:
         part, inside = _refined(canonical, part, inside)
-    field, polarity, contrast = _borders(part, inside, noise)
     spacing = float(part.voxel_volume ** (1 / 3))
-    object_voxels, allowed = _gated(field, inside, None if target.box is None else _in_box(part, target.box))
+    usable = None if target.box is None else _in_box(part, target.box)
+    field, polarity, contrast = _borders(part, inside, noise)
+    object_voxels, allowed = _gated(field, inside, usable)
     check_cancelled()
 
     ball, to_ball, start = seed_ball(object_voxels, part.affine)
@@ -315,30 +323,12 @@ def _stillest(volume: NDArray[np.int64], most: int) -> int | None:
 def _borders(volume: Volume, inside: BoolArray, noise: float) -> tuple[FloatArray, Polarity, float]:
     """Return U, the polarity, and the contrast to the nearer side in units of the noise."""
     data = volume.data.astype(np.float32)
-    wide = np.pad(inside, RING[1])
-    near, far = within_each(wide, RING)
-    ring = far & ~near
-    ring = ring[tuple(slice(RING[1], -RING[1]) for _ in range(3))]
-    around = data[ring]
-    if not around.size:
+    outwards = _layers(inside)
+    if not (outwards[1] & ~inside).any():
         raise InvalidInput("no_object_found", "The object fills the whole volume: it has no border in it.")
-    middle = float(np.median(data[inside]))
-    own_darker, own_brighter = (BEYOND * np.abs(np.percentile(data[inside], (25.0, 75.0)) - middle)).tolist()
-    darker, brighter = around[around < middle], around[around >= middle]
-    low: FloatArray | None = None
-    high: FloatArray | None = None
-    contrasts = []
-    own = _local(data, inside, middle, volume.spacing)
-    if len(darker) >= LEAST_SIDE * len(around):
-        level = float(np.median(darker))
-        if middle - level >= max(LEAST_CONTRAST * noise, own_darker):
-            low = np.float32(0.5) * (own + _local(data, ring & (data < middle), level, volume.spacing))
-            contrasts.append((middle - level) / noise)
-    if len(brighter) >= LEAST_SIDE * len(around):
-        level = float(np.median(brighter))
-        if level - middle >= max(LEAST_CONTRAST * noise, own_brighter):
-            high = np.float32(0.5) * (own + _local(data, ring & (data >= middle), level, volume.spacing))
-            contrasts.append((level - middle) / noise)
+    low = _border_below(data, outwards, noise, volume.spacing)
+    high = _border_below(-data, outwards, noise, volume.spacing)
+    contrasts = [side.contrast for side in (low, high) if side is not None]
     if not contrasts:
         raise InvalidInput(
             "no_object_found",
@@ -347,12 +337,62 @@ def _borders(volume: Volume, inside: BoolArray, noise: float) -> tuple[FloatArra
             "Place the seed in the middle of the object, or draw a box around it.",
         )
     polarity: Polarity = "bright" if high is None else "dark" if low is None else "between"
-    above = data - low if low is not None else np.float32(np.inf)
-    below = high - data if high is not None else np.float32(np.inf)
+    above = data - low.level if low is not None else np.float32(np.inf)
+    below = -high.level - data if high is not None else np.float32(np.inf)
     field = np.minimum(above, below) / np.float32(noise)
     field = np.clip(field, -LARGEST_VALUE, LARGEST_VALUE).astype(np.float32)
     sigma = 0.6 * float(volume.voxel_volume ** (1 / 3)) / np.array(volume.spacing)
     return ndimage.gaussian_filter(field, sigma, mode="nearest"), polarity, float(min(contrasts))
+
+
+@dataclass(frozen=True, eq=False)
+class _Side:
+    """The border to one side: its level from place to place, and the contrast in units of the noise."""
+
+    level: FloatArray
+    contrast: float
+
+
+def _border_below(
+    data: FloatArray, outwards: list[BoolArray], noise: float, spacing: tuple[float, float, float]
+) -> _Side | None:
+    """Return the border to what is darker than the object; None where there is none.
+
+    It lies half-way between what is inside and what is outside, the latter taken where it no longer changes with the
+    distance from the region: next to the border the blur of the scanner mixes them, and the region often stops short.
+    """
+    inside = outwards[0]
+    middle = float(np.median(data[inside]))
+    darker = data < middle
+    profile = []
+    for near, far in pairwise(outwards):
+        shell = data[far & ~near & darker]
+        profile.append(middle - float(np.median(shell)) if shell.size else 0.0)
+    start = _flat(profile, RING_FROM)
+    ring = outwards[min(start + RING, len(outwards) - 1)] & ~outwards[start]
+    beyond = ring & darker
+    if np.count_nonzero(beyond) < LEAST_SIDE * np.count_nonzero(ring):
+        return None
+    outside = float(np.median(data[beyond]))
+    own_darker = BEYOND * abs(float(np.percentile(data[inside], 25.0)) - middle)
+    if middle - outside < max(LEAST_CONTRAST * noise, own_darker):
+        return None
+    level = np.float32(0.5) * (_local(data, inside, middle, spacing) + _local(data, beyond, outside, spacing))
+    return _Side(level, (middle - outside) / noise)
+
+
+def _layers(mask: BoolArray) -> list[BoolArray]:
+    """Return the voxels within 0, 1, … voxels of `mask`."""
+    wide = within_each(np.pad(mask, FARTHEST), range(FARTHEST + 1))
+    return [layer[tuple(slice(FARTHEST, -FARTHEST) for _ in range(3))] for layer in wide]
+
+
+def _flat(profile: list[float], start: int) -> int:
+    """Return from which place on, at `start` or later, a profile no longer rises."""
+    for at in range(start, len(profile) - 1):
+        if profile[at + 1] - profile[at] < FLAT * profile[at + 1]:
+            return at
+    return max(len(profile) - 1, 0)
 
 
 def _local(data: FloatArray, where: BoolArray, usual: float, spacing: tuple[float, float, float]) -> FloatArray:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy import ndimage
 
 from shapery_contracts.errors import InvalidInput
 from shapery_contracts.segmentation import SegmentationParams
@@ -73,6 +74,16 @@ def test_the_noise_of_an_object_is_no_border() -> None:
     (item,) = result.report.objects
     assert item.polarity == "bright"
     assert intersection_over_union(result.labels.data == 1, truth) >= 0.97
+
+
+@pytest.mark.parametrize(("blur", "least"), [(0.6, 0.98), (1.5, 0.93)])
+def test_the_blur_of_a_scanner_moves_no_border(blur: float, least: float) -> None:
+    at = np.moveaxis(np.indices((48, 48, 48)), 0, -1) - 23.5
+    inside = np.linalg.norm(at, axis=-1) < 14.0
+    noise = np.random.default_rng(5).normal(0.0, 0.06, inside.shape)
+    values = ndimage.gaussian_filter(np.where(inside, 1.0, 2.0), blur) + noise
+    result = segment(Volume(values.astype(np.float32), np.eye(4)), params=SegmentationParams(seeds=[[23.5] * 3]))
+    assert intersection_over_union(result.labels.data == 1, inside) >= least
 
 
 def test_nothing_leaves_the_box() -> None:
