@@ -9,6 +9,9 @@ from shapery_geometry.mask_metrics import intersection_over_union
 from shapery_geometry.mesh import TriangleMesh, icosphere
 from shapery_geometry.rasterize import rasterize
 from shapery_geometry.volume import Volume
+from shapery_segmentation.phantoms import tube_phantom
+from shapery_segmentation.vessels import _coverage_kernels as kernels
+from shapery_segmentation.vessels import segment_vessels
 from shapery_segmentation.vessels.fit import half_covered
 
 SAMPLES = 8
@@ -52,3 +55,47 @@ def test_a_flat_surface_is_where_it_is() -> None:
     ball = icosphere((20.0, 20.0, 20.0), 15.0, 4)
     grid = Volume(np.zeros((40, 40, 40), np.uint8), np.eye(4))
     assert intersection_over_union(half_covered(ball, grid), rasterize(ball, grid)) > 0.99
+
+
+@pytest.mark.parametrize("low", [(0, 0, 0), (4, 3, 2)])
+def test_shares_add_up_to_the_volume_and_agree_with_counted_points(low: tuple[int, int, int]) -> None:
+    ball = icosphere((5.2, 4.9, 5.1), 3.0, 3)
+    shares = np.zeros((11 - low[0], 11 - low[1], 11 - low[2]), dtype=np.float32)
+    kernels.cover(ball.vertices, ball.faces, 4, np.array(low), shares)
+    fine = (np.arange(SAMPLES) + 0.5) / SAMPLES - 0.5
+    index = np.stack(np.meshgrid(*map(np.arange, shares.shape), indexing="ij"), axis=-1) + np.array(low)
+    counted = np.zeros(shares.shape)
+    for shift in np.stack(np.meshgrid(fine, fine, fine), axis=-1).reshape(-1, 3):
+        counted += np.linalg.norm(index + shift - (5.2, 4.9, 5.1), axis=-1) < 3.0
+    assert np.abs(shares - counted / SAMPLES**3).max() < 0.1
+    if low == (0, 0, 0):
+        assert shares.sum() == pytest.approx(ball.volume, rel=5e-3)
+
+
+def test_columns_that_meet_edges_and_corners_enter_and_leave_once() -> None:
+    # An octahedron whose corners and edges lie on the columns.
+    points = np.array([(6.125, 4.125, 4.0), (2.125, 4.125, 4.0), (4.125, 6.125, 4.0), (4.125, 2.125, 4.0),
+                       (4.125, 4.125, 6.0), (4.125, 4.125, 2.0)])  # fmt: skip
+    faces = [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)]
+    shares = np.zeros((9, 9, 9), dtype=np.float32)
+    kernels.cover(points, np.array(faces, dtype=np.int32), 4, np.zeros(3, dtype=np.int64), shares)
+    assert shares.min() > -1e-6
+    assert shares.max() < 1 + 1e-6
+    assert np.abs(shares[..., -1]).max() < 1e-6
+    assert shares.sum() == pytest.approx(4.0 / 3.0 * 8.0, rel=0.02)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("polarity", ["bright", "dark"])
+def test_a_wall_that_every_voxel_crosses_is_found_through_the_noise(polarity: str) -> None:
+    found = []
+    for number in range(11, 14):
+        phantom = tube_phantom(
+            np.random.default_rng(number),
+            radius=1.5,
+            bend=5.0,
+            polarity=polarity,
+            bias=0.4,  # type: ignore[arg-type]
+        )
+        found.append(intersection_over_union(segment_vessels(phantom.volume).mask, phantom.truth.data == 3))
+    assert np.mean(found) > 0.94

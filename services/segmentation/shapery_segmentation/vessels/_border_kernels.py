@@ -1,4 +1,4 @@
-"""Loops that find the border of vessels: growth with a running threshold, what lies on both sides, offsets from it."""
+"""Loops that find the border of vessels: growth with a running threshold, what lies on both sides of it."""
 
 from __future__ import annotations
 
@@ -13,9 +13,6 @@ Array = NDArray[Any]
 NEIGHBOURS = np.array(
     [(i, j, k) for i in (-1, 0, 1) for j in (-1, 0, 1) for k in (-1, 0, 1) if (i, j, k) != (0, 0, 0)], dtype=np.int64
 )
-
-CLIP = 1.6
-"""Values beyond this multiple of the contrast say nothing about the border: bone, calcium, air."""
 
 
 @njit(cache=True, nogil=True)
@@ -299,84 +296,37 @@ def grow_above(
 
 
 @njit(cache=True, nogil=True)
-def relative(values: Array, inner: Array, outer: Array, size: float, x: float, y: float, z: float) -> float:
-    """Return where between outside (−1) and inside (1) the value at a fractional index lies; −1 outside the grid."""
-    ni, nj, nk = values.shape
-    if x < 0.0 or y < 0.0 or z < 0.0 or x > ni - 1 or y > nj - 1 or z > nk - 1:
-        return -1.0
-    i, j, k = int(x), int(y), int(z)
-    i1, j1, k1 = min(i + 1, ni - 1), min(j + 1, nj - 1), min(k + 1, nk - 1)
-    u, v, w = x - i, y - j, z - k
-    value = (1 - u) * (
-        (1 - v) * ((1 - w) * values[i, j, k] + w * values[i, j, k1])
-        + v * ((1 - w) * values[i, j1, k] + w * values[i, j1, k1])
-    ) + u * (
-        (1 - v) * ((1 - w) * values[i1, j, k] + w * values[i1, j, k1])
-        + v * ((1 - w) * values[i1, j1, k] + w * values[i1, j1, k1])
-    )
-    i, j, k = int(x + 0.5), int(y + 0.5), int(z + 0.5)
-    high, low = sample_blocks(inner, size, i, j, k), sample_blocks(outer, size, i, j, k)
-    half = 0.5 * (high - low)
-    if half <= 0.0:
-        return -1.0
-    return float(min(max((value - 0.5 * (high + low)) / half, -CLIP), CLIP))
-
-
-@njit(cache=True, nogil=True)
-def wall_offsets(
-    points: Array, normals: Array, bend: Array, values: Array, inner: Array, outer: Array, size: float, inverse: Array,
-    reach: float, samples: int, offset: Array,
+def relative_values(
+    values: Array, inside: Array, inner: Array, outer: Array, size: float, voxels: Array, relative: Array,
+    contrast: Array,
 ) -> None:  # fmt: skip
-    """Write how far along its normal each vertex is from the wall.
+    """Write where between outside (0) and inside (1) voxels lie, and how far apart these are.
 
     Parameters
     ----------
-    points, normals : (n, 3) float64
-        RAS mm, outward.
-    bend : (n,) float64
-        Sum of the principal curvatures, 1/mm, positive on a convex surface.
-    values, inner, outer, size
-        See `relative`.
-    inverse : (3, 4) float64
-        From RAS mm to voxel index.
-    reach : float
-        mm looked at before and behind.
-    samples : int
-        Points on each side.
-    offset : (n,) float64
-
-    Notes
-    -----
-    The wall is where as much vessel is missing inside as there is outside of it: ∫(f − s)·(1 + bend·t) dt / 2 = 0 with
-    f between −1 and 1, s its value for a sharp wall at t = 0, and the area of the parallel surface at t as a weight. A
-    symmetric blur only moves what it conserves, so it moves this border less than that of any threshold; and every
-    sample counts, which noise likes less than a single crossing.
+    values : (I, J, K) float32
+    inside : (I, J, K) uint8
+        2 where nothing is to be looked for.
+    inner, outer : (A, B, C) float32
+        In cubes of `size` voxels.
+    voxels : (n, 3) int64
+    relative, contrast : (n,) float64
+        Contrast is 0 where nothing is known.
     """
-    step = reach / samples
-    for n in range(points.shape[0]):
-        total = 0.0
-        for s in range(-samples, samples + 1):
-            t = s * step
-            px = points[n, 0] + t * normals[n, 0]
-            py = points[n, 1] + t * normals[n, 1]
-            pz = points[n, 2] + t * normals[n, 2]
-            x = inverse[0, 0] * px + inverse[0, 1] * py + inverse[0, 2] * pz + inverse[0, 3]
-            y = inverse[1, 0] * px + inverse[1, 1] * py + inverse[1, 2] * pz + inverse[1, 3]
-            z = inverse[2, 0] * px + inverse[2, 1] * py + inverse[2, 2] * pz + inverse[2, 3]
-            f = relative(values, inner, outer, size, x, y, z)
-            weight = min(max(1.0 + bend[n] * t, 0.0), 3.0)
-            if s == -samples or s == samples:
-                weight *= 0.5
-            sharp = 1.0 if s < 0 else (-1.0 if s > 0 else 0.0)
-            total += weight * (f - sharp)
-        offset[n] = 0.5 * step * total
+    for n in range(voxels.shape[0]):
+        i, j, k = voxels[n]
+        ground = sample_blocks(outer, size, i, j, k)
+        rise = sample_blocks(inner, size, i, j, k) - ground
+        known = rise > 0.0 and inside[i, j, k] != 2
+        contrast[n] = rise if known else 0.0
+        relative[n] = (values[i, j, k] - ground) / rise if known else 0.0
 
 
 @njit(cache=True, nogil=True)
 def relative_field(
     smoothed: Array, inner: Array, outer: Array, size: float, voxels: Array, low: Array, field: Array
 ) -> None:
-    """Write `relative` of a smoothed volume at some voxels into a box that begins at the voxel `low`."""
+    """Write where between outside (−1) and inside (1) some voxels lie, smoothed, into a box that begins at `low`."""
     for n in range(voxels.shape[0]):
         i, j, k = voxels[n]
         high, ground = sample_blocks(inner, size, i, j, k), sample_blocks(outer, size, i, j, k)

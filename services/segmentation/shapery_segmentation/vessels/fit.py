@@ -1,45 +1,89 @@
-"""From a surface that is right to a voxel to one that is right to a fraction of it."""
+"""From a surface that is right to a voxel to one that is right to a fraction of it.
+
+A surface says what a scanner would have seen of it: every voxel has its share of what is inside and of what is outside
+(partial volume). The surface that explains best what the scanner did see, and that is no rougher than vessels are, is
+the most probable one. In a vessel of one voxel and a half in radius nearly every voxel is crossed by the wall, so no
+threshold of single values, and no line across the wall, tells as much.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
+from scipy.sparse.linalg import LinearOperator, cg, splu
 
 from shapery_geometry.mesh import TriangleMesh
-from shapery_geometry.rasterize import rasterize
 from shapery_geometry.volume import Volume
 from shapery_segmentation.mesh.dynamic_mesh import DynamicMesh
-from shapery_segmentation.vessels import _border_kernels as kernels
+from shapery_segmentation.vessels import _border_kernels as border_kernels
+from shapery_segmentation.vessels import _coverage_kernels as kernels
 from shapery_segmentation.vessels.border import CUBE, Border
 from shapery_segmentation.vessels.evidence import Evidence
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-ROUNDS = 5
-"""Times that the surface is measured and moved."""
+ROUNDS = 4
+"""Times that the surface is compared with the volume and moved."""
 
-REACH, SAMPLES = 0.75, 4
-"""Voxels before and behind the wall over which it is balanced, and points on each side. Partial volume and
-interpolation blur a wall by half a voxel (their standard deviation); what lies further away only adds its noise."""
+COLUMNS = 4
+"""Along either axis of a voxel: its share is measured in so many columns."""
 
-SPREADS = 9
-"""Averages over neighbours that an offset goes through: what differs from vertex to vertex is noise."""
+STIFFNESS = 40.0
+"""β: a change of curvature counts by its square in units of the curvature itself, over a distance of one radius."""
 
-FAIRING, SLIDING = 0.7, 0.3
-"""Share of the way to the neighbours' mean, along the normal less its own average over the neighbours, and across."""
+LARGEST_RADIUS = 5.0
+"""Voxels; what is wider is no stiffer."""
 
 BEND_SPREADS = 6
-"""The same for the curvature."""
+"""Averages over neighbours that the curvature goes through before anything is scaled with it."""
+
+LARGEST_RATIO = 50.0
+"""Contrast over noise beyond which the surface is not trusted to explain the values."""
+
+CLIP = 0.3
+"""Values that exceed inside or outside by more than this share of the contrast say nothing: bone, calcium, air."""
+
+SOLVED, LARGEST_SOLVE = 0.05, 12
+"""Relative residual and steps at which the linear system of a round counts as solved."""
+
+SLIDING = 0.3
+"""Share of the way to the neighbours' mean that a vertex moves across its normal."""
 
 LARGEST_MOVE = 0.5
 """Voxels that a vertex moves at once at the most."""
 
 LARGEST_SHIFT = 0.1
-"""Voxels by which a surface is moved for the coverage of its voxels at the most."""
+"""Voxels that faces are moved outwards for the corners they cut at the most."""
+
+LEAST_COTANGENT = 0.02
+"""Cotangents are raised to this, so that obtuse corners do not turn a smoothness into its contrary."""
+
+SLAB = 4_000_000
+"""Voxels whose shares are held at once."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Curve:
+    """The smooth surface that a mesh stands for: each face cut into four, on the curve that the normals tell.
+
+    Parameters
+    ----------
+    points : (p, 3) float64
+        RAS mm.
+    faces : (4 m, 3) int32
+    follow : (p, n) sparse
+        How they follow the mesh's vertices.
+    """
+
+    points: FloatArray
+    faces: NDArray[np.int32]
+    follow: sparse.csr_array
 
 
 def fit_surface(
@@ -62,36 +106,46 @@ def fit_surface(
 
     Notes
     -----
-    Offsets from the wall (see `_border_kernels.wall_offsets`) are averaged over the surface before they are followed.
-    Fairing moves a vertex along its normal towards the plane of its neighbours, less the average of that over the
-    neighbours: a tube, on which all move alike, keeps its radius, and only roughness goes.
+    Gauss–Newton steps d along the normals towards the least of
+
+        Σ ((I − outer − (inner − outer)·share) / noise)² + β ∫ |∇H|² / H² dA
+
+    over the voxels that the surface crosses. A voxel of volume V gains dA/V of its share for each area dA in it that
+    moves by a unit. β has no unit, so that one value serves vessels of any size; the noise is that of the volume: in a
+    clean one, the surface follows what it sees.
     """
     voxel = min(grid.spacing)
-    inverse = np.ascontiguousarray(grid.inverse_affine[:3])
     surface, live = mesh.to_triangle_mesh(), mesh.live
     faces, count = surface.faces, len(surface.vertices)
     mean = _averaging(faces, count)
-    offset = np.empty(count)
     last = 0.0
+    nearly: LinearOperator | None = None
     # Only places change: the triangles stay what they are.
     for _ in range(ROUNDS):
         if check_cancelled is not None:
             check_cancelled()
         points = np.ascontiguousarray(mesh.arrays.points[live, :3])
-        normals, way, along, bend = _bends(points, faces, mean)
-        kernels.wall_offsets(
-            points, normals, bend, evidence.values, border.inner, border.outer, float(CUBE), inverse,
-            REACH * voxel, SAMPLES, offset,
-        )  # fmt: skip
-        np.clip(offset, -LARGEST_MOVE * voxel, LARGEST_MOVE * voxel, out=offset)
-        smooth = offset
-        for _ in range(SPREADS):
-            smooth = 0.5 * (smooth + mean @ smooth)
-        rough = along - mean @ (mean @ along)
-        target = points + (smooth + FAIRING * rough)[:, None] * normals
-        target += SLIDING * (way - along[:, None] * normals)
-        mesh.move(live, target)
-        last = float(np.abs(smooth).mean())
+        normals, bend = _bends(points, faces, mean)
+        gain, missing = _residual(_curve(points, faces, mean, voxel), evidence, border, grid)
+        weights, area = _cotangents(points, faces)
+        bend = np.maximum(bend, 1.0 / (LARGEST_RADIUS * voxel))
+        stiff = STIFFNESS / bend**2
+        # H changes by −Δd − |A|² d, with |A|² = H² on a tube: a tube that is shifted as a whole keeps its curvature.
+        plain = _laplacian(weights)
+        change = (sparse.diags_array(1.0 / area) @ plain - sparse.diags_array(bend**2)).tocsr()
+        rough = _laplacian(_scaled(weights, stiff))
+        curvature = np.einsum("ij,ij->i", normals, plain @ points) / area
+        system = (gain.T @ gain + change.T @ (rough @ change)).tocsr()
+        wanted = gain.T @ missing - change.T @ (rough @ curvature)
+        told = gain.T @ gain.sum(axis=1)
+        if nearly is None:
+            nearly = _nearly(weights, area, stiff, told)
+        move, _ = cg(system, wanted, maxiter=LARGEST_SOLVE, rtol=SOLVED, M=nearly)
+        np.clip(move, -LARGEST_MOVE * voxel, LARGEST_MOVE * voxel, out=move)
+        way = mean @ points - points
+        way -= np.einsum("ij,ij->i", way, normals)[:, None] * normals
+        mesh.move(live, points + move[:, None] * normals + SLIDING * way)
+        last = float(np.abs(move).mean())
     return last
 
 
@@ -104,58 +158,168 @@ def half_covered(surface: TriangleMesh, grid: Volume) -> BoolArray:
         Closed, RAS mm; its vertices lie on the smooth surface.
     grid
         The volume on whose grid the mask is wanted.
+    """
+    mean = _averaging(surface.faces, len(surface.vertices))
+    curve = _curve(np.ascontiguousarray(surface.vertices), surface.faces, mean, min(grid.spacing))
+    index = np.ascontiguousarray(grid.to_index(curve.points))
+    low = np.clip(np.floor(index.min(axis=0) + 0.5), 0, grid.shape).astype(np.int64)
+    high = np.clip(np.floor(index.max(axis=0) + 0.5) + 1, low, grid.shape).astype(np.int64)
+    inside = np.zeros(grid.shape, dtype=np.bool_)
+    part = inside[tuple(slice(a, b) for a, b in zip(low, high, strict=True))]
+    for first, shares in _shares(index, _outwards(curve.faces, grid), low, high):
+        part[first : first + len(shares)] = shares >= 0.5
+    return inside
+
+
+def _residual(curve: _Curve, evidence: Evidence, border: Border, grid: Volume) -> tuple[sparse.csr_array, FloatArray]:
+    """Return what the voxels gain when vertices move along their normals, and what they lack, in units of the noise."""
+    index = np.ascontiguousarray(grid.to_index(curve.points))
+    # Nothing is known beyond the grid: there the surface goes on as it comes.
+    low = np.clip(np.floor(index.min(axis=0) + 0.5), 0, grid.shape).astype(np.int64)
+    high = np.clip(np.floor(index.max(axis=0) + 0.5) + 1, low, grid.shape).astype(np.int64)
+    shape = high - low
+    room = 9 * len(curve.faces)
+    voxel, vertex, area = np.empty(room, dtype=np.int64), np.empty(room, dtype=np.int64), np.empty(room)
+    found = kernels.crossed(index, curve.points, curve.faces, low, shape, voxel, vertex, area)
+    voxel, vertex, area = voxel[:found], vertex[:found], area[:found]
+    names, row = np.unique(voxel, return_inverse=True)
+    share = np.empty(len(names))
+    slice_ = int(shape[1] * shape[2])
+    for first, shares in _shares(index, _outwards(curve.faces, grid), low, high):
+        a, b = np.searchsorted(names, (first * slice_, (first + len(shares)) * slice_))
+        share[a:b] = shares.ravel()[names[a:b] - first * slice_]
+    place = np.stack(np.unravel_index(names, tuple(shape)), axis=1) + low
+    value, contrast = np.empty(len(names)), np.empty(len(names))
+    border_kernels.relative_values(evidence.values, border.inside, border.inner, border.outer, float(CUBE), place,
+                                   value, contrast)  # fmt: skip
+    weight = np.minimum(contrast / max(evidence.noise, 1e-30), LARGEST_RATIO)
+    moved = sparse.csr_array((area, (row, vertex)), shape=(len(names), len(curve.points))) @ curve.follow
+    gain = sparse.diags_array(weight / grid.voxel_volume) @ moved
+    return gain.tocsr(), weight * (np.clip(value, -CLIP, 1.0 + CLIP) - share)
+
+
+def _nearly(weights: sparse.csr_array, area: FloatArray, stiff: FloatArray, told: FloatArray) -> LinearOperator:
+    """Return nearly the inverse of a round's system, to precondition it.
+
+    Parameters
+    ----------
+    weights, area
+        See `_cotangents`.
+    stiff : (n,) float64
+        β / H².
+    told : (n,) float64
+        What the data say about each vertex's move when all move alike.
 
     Notes
     -----
-    Two things that are small elsewhere are a tenth of the voxels of a vessel of one voxel and a half in radius. Faces
-    cut corners: each is cut into four, the new vertices on the curve between the old ones that their normals tell, and
-    what is left of it, Σκ·e²/16 for edges e, is added. And a voxel of edge h with its centre on a convex surface has
-    less than half of itself inside: to second order, half is there where the centre lies Σκ·h²/24 deeper.
+    For waves of number k the system is ρ + stiff·k⁶ per area. That is up to four times less than the third power of
+    ∛ρ + ∛stiff·k², which takes a matrix as sparse as the mesh.
+    """
+    least = 1e-3 * float(np.mean(told) / np.mean(area))
+    root = sparse.diags_array(area * np.cbrt(np.maximum(told / area, least)))
+    solve = splu((root + _laplacian(_scaled(weights, np.cbrt(stiff)))).tocsc(), permc_spec="MMD_AT_PLUS_A").solve
+
+    def apply(x: FloatArray) -> FloatArray:
+        return np.asarray(solve(area * solve(area * solve(x))))
+
+    return LinearOperator((len(area), len(area)), matvec=apply, dtype=np.float64)
+
+
+def _scaled(weights: sparse.csr_array, factors: FloatArray) -> sparse.csr_array:
+    """Return weights of edges times the mean of the factors at their ends."""
+    pairs = weights.tocoo()
+    start, end = pairs.coords
+    return sparse.csr_array((pairs.data * 0.5 * (factors[start] + factors[end]), (start, end)), shape=weights.shape)
+
+
+def _cotangents(points: FloatArray, faces: NDArray[np.int32]) -> tuple[sparse.csr_array, FloatArray]:
+    """Return half the cotangents opposite to each edge, added up, and a third of the area around each vertex."""
+    count = len(points)
+    sides = [points[faces[:, k - 1]] - points[faces[:, k - 2]] for k in range(3)]
+    double = np.maximum(np.linalg.norm(np.cross(sides[0], sides[1]), axis=1), 1e-12)
+    halves = [
+        0.5 * np.maximum(-np.einsum("ij,ij->i", sides[k - 2], sides[k - 1]) / double, LEAST_COTANGENT) for k in range(3)
+    ]
+    start = np.concatenate([faces[:, k - 2] for k in range(3)])
+    end = np.concatenate([faces[:, k - 1] for k in range(3)])
+    half = np.concatenate(halves)
+    weights = sparse.csr_array(
+        (np.concatenate((half, half)), (np.concatenate((start, end)), np.concatenate((end, start)))),
+        shape=(count, count),
+    )
+    return weights, np.asarray(
+        np.bincount(faces.ravel(), np.repeat(double / 6.0, 3), minlength=count), dtype=np.float64
+    )
+
+
+def _laplacian(weights: sparse.csr_array) -> sparse.csr_array:
+    return sparse.csr_array(sparse.diags_array(np.asarray(weights.sum(axis=1)).ravel()) - weights)
+
+
+def _curve(points: FloatArray, faces: NDArray[np.int32], mean: sparse.csr_array, voxel: float) -> _Curve:
+    """Return the smooth surface that a mesh stands for.
+
+    Notes
+    -----
+    Faces cut corners: each is cut into four, the new vertices on the curve between the old ones that their normals
+    tell, and what is left of it, Σκ·e²/16 for edges e, is added.
 
     References
     ----------
     The curve is that of A. Vlachos et al., "Curved PN triangles", Symp. Interactive 3D Graphics 2001,
     doi:10.1145/364338.364387.
     """
-    count = len(surface.vertices)
-    points = np.ascontiguousarray(surface.vertices)
-    normals, _, _, bend = _bends(points, surface.faces, _averaging(surface.faces, count))
-    start, end = surface.faces.ravel(), np.roll(surface.faces, -1, axis=1).ravel()
+    count = len(points)
+    normals, bend = _bends(points, faces, mean)
+    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     keys = np.minimum(start, end).astype(np.int64) * count + np.maximum(start, end)
     edges, number = np.unique(keys, return_inverse=True)
     a, b = np.divmod(edges, count)
     way = points[b] - points[a]
     rise = np.einsum("ij,ij->i", way, normals[a])[:, None] * normals[a]
     rise -= np.einsum("ij,ij->i", way, normals[b])[:, None] * normals[b]
-    points = np.concatenate((points, 0.5 * (points[a] + points[b]) - rise / 8.0))
-    bend = np.concatenate((bend, 0.5 * (bend[a] + bend[b])))
+    places = np.concatenate((points, 0.5 * (points[a] + points[b]) - rise / 8.0))
     # The new vertex on the edge that begins at each corner of a face.
     middle = (count + number.reshape(-1, 3)).astype(np.int32)
-    corner = surface.faces
-    faces = np.concatenate(
-        [np.stack((corner[:, k], middle[:, k], middle[:, k - 1]), axis=1) for k in range(3)] + [middle]
-    )
-    normals, square = np.empty(points.shape), np.empty(len(points))
-    kernels.surround(points, faces, normals, square)
-    inwards = bend * (float(np.mean(np.square(grid.spacing))) / 24.0 - square / 16.0)
-    most = LARGEST_SHIFT * min(grid.spacing)
-    places = points - np.clip(inwards, -most, most)[:, None] * normals
-    return rasterize(TriangleMesh(places, faces), grid, known_closed=True)
+    parts = [np.stack((faces[:, k], middle[:, k], middle[:, k - 1]), axis=1) for k in range(3)]
+    fine = np.ascontiguousarray(np.concatenate([*parts, middle]), dtype=np.int32)
+    normals, square = np.empty(places.shape), np.empty(len(places))
+    border_kernels.surround(places, fine, normals, square)
+    ends = np.repeat(np.arange(len(edges)), 2), np.stack((a, b), axis=1).ravel()
+    halves = sparse.csr_array((np.full(2 * len(edges), 0.5), ends), shape=(len(edges), count))
+    follow = sparse.vstack((sparse.eye_array(count, format="csr"), halves), format="csr")
+    outwards = np.clip((follow @ bend) * square / 16.0, -LARGEST_SHIFT * voxel, LARGEST_SHIFT * voxel)
+    return _Curve(places + outwards[:, None] * normals, fine, follow)
 
 
-def _bends(
-    points: FloatArray, faces: NDArray[np.int32], mean: sparse.csr_array
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return normals, ways to the neighbours' mean, their part along the normals, and sums of curvatures (1/mm)."""
+def _shares(
+    index: FloatArray, faces: NDArray[np.int32], low: IntArray, high: IntArray
+) -> Iterator[tuple[int, NDArray[np.float32]]]:
+    """Yield slabs of the box from `low` to `high`: the first slice of each, and the share of its voxels inside."""
+    shape = high - low
+    thick = max(1, SLAB // max(1, int(shape[1] * shape[2])))
+    for first in range(0, int(shape[0]), thick):
+        shares = np.zeros((min(thick, int(shape[0]) - first), int(shape[1]), int(shape[2])), dtype=np.float32)
+        kernels.cover(index, faces, COLUMNS, low + np.array((first, 0, 0)), shares)
+        yield first, shares
+
+
+def _outwards(faces: NDArray[np.int32], grid: Volume) -> NDArray[np.int32]:
+    """Return faces that look outwards in voxel indices, too, where the grid is a mirror image."""
+    mirrored = np.linalg.det(grid.affine[:3, :3]) < 0
+    return np.ascontiguousarray(faces[:, ::-1]) if mirrored else faces
+
+
+def _bends(points: FloatArray, faces: NDArray[np.int32], mean: sparse.csr_array) -> tuple[FloatArray, FloatArray]:
+    """Return normals and smoothed sums of curvatures (1/mm)."""
     normals, square = np.empty(points.shape), np.empty(len(points))
-    kernels.surround(points, faces, normals, square)
-    way = mean @ points - points
-    along = np.einsum("ij,ij->i", way, normals)
+    border_kernels.surround(points, faces, normals, square)
     # On a regular mesh the way to the neighbours' mean is −(κ₁ + κ₂)/4 times the mean squared edge.
+    along = np.einsum("ij,ij->i", mean @ points - points, normals)
     bend = -4.0 * along / np.maximum(square, 1e-12)
     for _ in range(BEND_SPREADS):
         bend = 0.5 * (bend + mean @ bend)
-    return normals, way, along, bend
+    return normals, bend
 
 
 def _averaging(faces: NDArray[np.int32], count: int) -> sparse.csr_array:
