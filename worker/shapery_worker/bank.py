@@ -31,6 +31,8 @@ class VectorTable:
 
     def __init__(self) -> None:
         self.ids: list[UUID] = []
+        self._texts: list[str] = []
+        """The same, as candidates name them."""
         self._rows: dict[UUID, int] = {}
         self._vectors: npt.NDArray[np.float32] = np.empty((0, VECTOR_DIMENSION), np.float32)
         self._lengths: npt.NDArray[np.float32] = np.empty(0, np.float32)
@@ -39,7 +41,7 @@ class VectorTable:
     @property
     def size(self) -> int:
         """Bytes in memory."""
-        return self._vectors.nbytes + self._lengths.nbytes + 200 * len(self.ids)
+        return self._vectors.nbytes + self._lengths.nbytes + 300 * len(self.ids)
 
     def put(self, shape_id: UUID, vector: bytes) -> None:
         """Add a vector, or replace the one that the shape has."""
@@ -47,6 +49,7 @@ class VectorTable:
         if row is None:
             row = self._rows[shape_id] = len(self.ids)
             self.ids.append(shape_id)
+            self._texts.append(str(shape_id))
             if row == len(self._vectors):
                 room = max(64, row + row // 2)
                 vectors, lengths = np.empty((room, VECTOR_DIMENSION), np.float32), np.empty(room, np.float32)
@@ -60,9 +63,9 @@ class VectorTable:
         row = self._rows.pop(shape_id, None)
         if row is None:
             return
-        last = self.ids.pop()
+        last, text = self.ids.pop(), self._texts.pop()
         if last != shape_id:
-            self.ids[row] = last
+            self.ids[row], self._texts[row] = last, text
             self._rows[last] = row
             self._vectors[row] = self._vectors[len(self.ids)]
             self._lengths[row] = self._lengths[len(self.ids)]
@@ -87,11 +90,11 @@ class VectorTable:
         measured = self._vectors[chosen if rows is None else rows[chosen]].astype(np.float64)
         exact = np.sqrt(np.square(measured - vector).sum(axis=1))
         places = chosen if rows is None else rows[chosen]
-        found = [
-            Candidate(str(self.ids[place]), distance, self._vectors[place].tobytes())
-            for place, distance in zip(places.tolist(), exact.tolist(), strict=True)
-        ]
-        return sorted(found, key=lambda candidate: (candidate.distance, candidate.shape_id))[:limit]
+        order = sorted(
+            (distance, self._texts[place], place)
+            for distance, place in zip(exact.tolist(), places.tolist(), strict=True)
+        )
+        return [Candidate(text, distance, self._vectors[place].tobytes()) for distance, text, place in order[:limit]]
 
 
 class _Vectors:

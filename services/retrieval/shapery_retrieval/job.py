@@ -7,7 +7,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from shapery_contracts.errors import InvalidInput, Unavailable
 from shapery_contracts.handler import JobContext
@@ -15,9 +15,7 @@ from shapery_contracts.retrieval import (
     By,
     IndexStage,
     Nearest,
-    PartMatch,
     ShapeBank,
-    ShapeHit,
     ShapeIndexParams,
     ShapeIndexResult,
     ShapeSearchParams,
@@ -31,7 +29,7 @@ if TYPE_CHECKING:
     from shapery_retrieval.arg import Arg
     from shapery_retrieval.laid_out import Searchers
     from shapery_retrieval.patches import Patches
-    from shapery_retrieval.search import Answer
+    from shapery_retrieval.search import Hit
 
     PartNumbers = Sequence[NDArray[np.int64]]
 
@@ -275,33 +273,32 @@ def search_bank(
         except GoneError as error:
             near = [candidate for candidate in near if candidate.shape_id not in error.ids]
     seconds["match"] = time.perf_counter() - start
-    return ShapeSearchResult(
-        index_version=version,
-        mode="partial" if partial else "global",
-        candidates=answer.compared,
-        cues={name: round(weight, 4) for name, weight in answer.cues.items()},
-        hits=_hits(answer, query.numbers),
-        stages=[IndexStage(name=name, seconds=round(value, 4)) for name, value in seconds.items()],
+    # validated all at once: models made one by one would cost more than the matching
+    return ShapeSearchResult.model_validate(
+        {
+            "index_version": version,
+            "mode": "partial" if partial else "global",
+            "candidates": answer.compared,
+            "cues": {name: round(weight, 4) for name, weight in answer.cues.items()},
+            "hits": [_told(hit, query.numbers) for hit in answer.hits],
+            "stages": [{"name": name, "seconds": round(value, 4)} for name, value in seconds.items()],
+        }
     )
 
 
-def _hits(answer: Answer, numbers: PartNumbers | None) -> list[ShapeHit]:
-    hits = []
-    for hit in answer.hits:
-        best = next(level for level in hit.match.levels if level.level == hit.match.best_level)
-        hits.append(
-            ShapeHit(
-                shape_id=hit.shape_id,
-                score=min(max(hit.score, 0.0), 1.0),
-                level=best.level,
-                level_scores=[round(level.score, 6) for level in hit.match.levels],
-                matches=[
-                    PartMatch(query=i if numbers is None else int(numbers[best.level][i]), found=j, weight=round(w, 6))
-                    for i, j, w in best.pairs()
-                ],
-            )
-        )
-    return hits
+def _told(hit: Hit, numbers: PartNumbers | None) -> dict[str, Any]:
+    """Return a `ShapeHit`, to be validated."""
+    best = next(level for level in hit.match.levels if level.level == hit.match.best_level)
+    called = None if numbers is None else numbers[best.level].tolist()
+    return {
+        "shape_id": hit.shape_id,
+        "score": min(max(hit.score, 0.0), 1.0),
+        "level": best.level,
+        "level_scores": [round(level.score, 6) for level in hit.match.levels],
+        "matches": [
+            {"query": i if called is None else called[i], "found": j, "weight": round(w, 6)} for i, j, w in best.pairs()
+        ],
+    }
 
 
 def _shares_of_parts(arg: Arg, parts: list[int]) -> list[NDArray[np.float64]]:

@@ -52,7 +52,8 @@ class LevelMatch:
     def pairs(self) -> list[tuple[int, int, float]]:
         """Return for each part of the query the part that most of it is carried to, and how much."""
         best = np.argmax(self.transport, axis=1)
-        return [(i, int(j), float(self.transport[i, j])) for i, j in enumerate(best)]
+        carried = self.transport[np.arange(len(best)), best]
+        return list(zip(range(len(best)), best.tolist(), carried.tolist(), strict=True))
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,8 +12,8 @@ from sqlalchemy.orm import Session
 
 from shapery_contracts.api import JobCreate, JobView, Scope
 from shapery_contracts.errors import InvalidInput, Unavailable
-from shapery_contracts.retrieval import ShapeFilter, ShapeSearchParams, ShapeSearchResult
-from shapery_contracts.shapes import SearchAnswer, SearchHit, SearchRequest
+from shapery_contracts.retrieval import ShapeFilter, ShapeSearchParams
+from shapery_contracts.shapes import SearchAnswer, SearchRequest
 from shapery_contracts.states import JobState
 from shapery_gateway import outbox
 from shapery_gateway.backend import Backend
@@ -146,20 +146,13 @@ def _job(backend: Backend, caller: Principal, job_id: UUID) -> JobView:
 
 
 def _answer(backend: Backend, caller: Principal, result: dict[str, Any], job_id: UUID | None) -> SearchAnswer:
-    found = ShapeSearchResult.model_validate(result)
+    ids = [UUID(hit["shape_id"]) for hit in result["hits"]]
     with backend.database.session(readonly=True) as session:
-        there = shapes.some(session, caller.owner, [UUID(hit.shape_id) for hit in found.hits])
+        there = shapes.some(session, caller.owner, ids)
         views = {shape_id: shapes.view(shape) for shape_id, shape in there.items()}
-    return SearchAnswer(
-        index_version=found.index_version,
-        mode=found.mode,
-        candidates=found.candidates,
-        cues=found.cues,
-        hits=[
-            SearchHit(**hit.model_dump(), shape=views[UUID(hit.shape_id)])
-            for hit in found.hits
-            if UUID(hit.shape_id) in views
-        ],
-        warnings=found.warnings,
-        job_id=job_id,
-    )
+    hits = [
+        {**hit, "shape": views[shape_id]}
+        for shape_id, hit in zip(ids, result["hits"], strict=True)
+        if shape_id in views
+    ]
+    return SearchAnswer.model_validate({**result, "hits": hits, "job_id": job_id})
