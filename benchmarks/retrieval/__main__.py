@@ -27,7 +27,7 @@ from benchmarks.retrieval.parts_growth import Query, kept_of_exhaustive
 from benchmarks.retrieval.peers import peer_matrices, peers_of
 from benchmarks.retrieval.plots import draw_class_matrix, draw_precision_recall
 from benchmarks.retrieval.report import report
-from benchmarks.retrieval.scores import all_methods
+from benchmarks.retrieval.scores import all_methods, own_methods
 from benchmarks.retrieval.variants import VARIANTS, cropped
 from shapery_contracts.errors import UserError
 from shapery_geometry.mesh import TriangleMesh
@@ -86,16 +86,15 @@ def posed() -> list[Features]:
     return [features_of(f"frame {i}", mesh) for i, mesh in enumerate(posed_meshes()[0])]
 
 
-def measured(features: list[Features], labels: np.ndarray) -> tuple[Found, dict[str, np.ndarray]]:
-    """Measure every method."""
-    matrices = all_methods(features)
-    return {name: vars(measure(scores, labels)) for name, scores in matrices.items()}, matrices
+def measured(matrices: dict[str, np.ndarray], labels: np.ndarray) -> Found:
+    """Measure methods by their score matrices."""
+    return {name: vars(measure(scores, labels)) for name, scores in matrices.items()}
 
 
 def tables() -> Found:
     """Table 4.1, Figs 4.8 and 4.9: every method on the watertight set, beside peers, and on halves of it by classes."""
     features = watertight()
-    _, matrices = measured(features, LABELS)
+    matrices = all_methods(features)
     peers = peer_matrices([peers_of(mesh_of(n)) for n in NUMBERS])
     matrices = {"D2": matrices["D2"], **peers, **matrices}
     curves = {name: precision_recall(relevance(matrices[name], LABELS)) for name in SHOWN}
@@ -119,10 +118,10 @@ def tables() -> Found:
         "the other ten classes": ~moving,
         "five shapes per class": np.arange(len(LABELS)) % PER_CLASS < 5,
     }.items():
-        found = measured([f for f, use in zip(features, keep, strict=True) if use], LABELS[keep])[0]
-        splits[title] = {name: found[name] for name in (PARTS, PURE, RERANKED)}
+        some = [item for item, use in zip(features, keep, strict=True) if use]
+        splits[title] = measured(own_methods(some), LABELS[keep])
     return {
-        "watertight": {name: vars(measure(scores, LABELS)) for name, scores in matrices.items()},
+        "watertight": measured(matrices, LABELS),
         "first_tier_by_class": by_class,
         "splits": splits,
         "arg_kilobytes": float(np.mean([len(item.arg.to_bytes()) for item in features])) / 1000,
@@ -131,7 +130,7 @@ def tables() -> Found:
 
 def poses() -> Found:
     """Banks of bodies that move."""
-    return {"poses": measured(posed(), posed_meshes()[1])[0]}
+    return {"poses": measured(all_methods(posed()), posed_meshes()[1])}
 
 
 def robustness() -> Found:

@@ -13,7 +13,7 @@ doi:10.1016/j.cad.2005.10.011.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from importlib.util import find_spec
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,25 +40,27 @@ def peers_of(mesh: TriangleMesh) -> dict[str, Array]:
         signals = compute_signals(normalised)
         rng = np.random.default_rng(0)
         chosen = rng.choice(len(signals.areas), SIGNATURES, p=signals.areas / signals.areas.sum())
-        found: dict[str, Any] = {
-            "heat": signals.heat[chosen],
-            "harmonics": spherical_harmonics(normalised.mesh, rng),
-            "depth": depth_buffers(normalised.mesh, rng),
-        }
-        eigenvalues = lapy_eigenvalues(normalised.mesh)
-        if eigenvalues is not None:
-            found["lapy"] = eigenvalues
-        keep(path, **found)
+        keep(
+            path,
+            heat=signals.heat[chosen],
+            harmonics=spherical_harmonics(normalised.mesh, rng),
+            depth=depth_buffers(normalised.mesh, rng),
+        )
     with np.load(path, allow_pickle=False) as stored:
-        return dict(stored)
+        found = dict(stored)
+    if find_spec("lapy") is not None:
+        path = cached(mesh, "lapy-")
+        if not path.exists():
+            keep(path, lapy=lapy_eigenvalues(normalise(mesh).mesh))
+        with np.load(path, allow_pickle=False) as stored:
+            found["lapy"] = stored["lapy"]
+    return found
 
 
-def lapy_eigenvalues(mesh: TriangleMesh, count: int = 31) -> Array | None:
-    """Return the first eigenvalues as LaPy has them, or None where it is not installed; NaN where it gives up."""
-    try:
-        from lapy import Solver, TriaMesh  # type: ignore[import-not-found]
-    except ImportError:
-        return None
+def lapy_eigenvalues(mesh: TriangleMesh, count: int = 31) -> Array:
+    """Return the first eigenvalues as LaPy has them; NaN where it gives up."""
+    from lapy import Solver, TriaMesh  # type: ignore[import-not-found]
+
     try:
         return np.asarray(Solver(TriaMesh(mesh.vertices, mesh.faces)).eigs(k=count)[0], dtype=np.float64)
     except (ValueError, RuntimeError):

@@ -58,11 +58,22 @@ def nearness(vectors: Array, order: int = 2) -> Array:
     return -np.stack([np.linalg.norm(vectors - row, ord=order, axis=1) for row in vectors])
 
 
+def own_methods(features: Sequence[Features]) -> dict[str, Array]:
+    """Return the matrices of the graph alone and of what ``shapery matrix`` gives, without and with re-ranking."""
+    pure = score_matrix([item.arg for item in features])
+    return {
+        "ARG alone (parts and relations)": by_parts(features),
+        "whole score, pure query": pure,
+        "whole score, re-ranked": diffuse(pure),
+    }
+
+
 def all_methods(features: Sequence[Features]) -> dict[str, Array]:
-    """Return every method's matrix; the last two are what ``shapery matrix`` gives, without and with re-ranking."""
+    """Return every method's matrix; those of `own_methods` are among them."""
     heat = np.stack([item.arg.whole["quantiles"][: 16 * 9] for item in features]).astype(np.float64)
-    parts = by_parts(features)
-    found = {
+    own = own_methods(features)
+    parts = own.pop("ARG alone (parts and relations)")
+    return {
         "D2": nearness(np.stack([item.d2 for item in features]), 1),
         "ShapeDNA, 30 log eigenvalues": nearness(np.log(np.stack([item.eigenvalues[1:31] for item in features]))),
         "quantiles of the HKS": nearness(heat, 1),
@@ -74,6 +85,5 @@ def all_methods(features: Sequence[Features]) -> dict[str, Array]:
         "ARG alone, on local scales": on_local_scales(parts),
         "depth views alone": by_whole(features, "views"),
         "intrinsic descriptors alone": by_whole(features, "intrinsic"),
+        **own,
     }
-    pure = score_matrix([item.arg for item in features])
-    return {**found, "whole score, pure query": pure, "whole score, re-ranked": diffuse(pure)}

@@ -26,9 +26,31 @@ def _gain(alike, turned, masses, other):
 
 
 @njit(**FAST)
+def _misfit(bare, reach, distances, places, distances2):
+    """(s, t) how badly each sample fits at each of another surface: by those within its reach, laid at `places` there.
+
+    It is the mean square of what their distances would change.
+    """
+    s, t = len(distances), len(distances2)
+    result = np.zeros((s, t), dtype=np.float32)
+    for i in range(s):
+        out, around = result[i], np.float32(0.0)
+        for k in range(s):
+            if bare[i, k] <= reach[i]:
+                around += np.float32(1.0)
+                own, other = distances[i, k], distances2[places[k]]
+                for j in range(t):
+                    change = own - other[j]
+                    out[j] += change * change
+        for j in range(t):
+            out[j] /= around
+    return result
+
+
+@njit(**FAST)
 def lay(
-    masses, known, sides, squares, distances, gathered,
-    masses2, known2, sides2, squares2, distances2, gathered2,
+    masses, known, sides, squares, bare, unit, reach, gathered,
+    masses2, known2, sides2, squares2, bare2, unit2, reach2, gathered2,
     alpha, warm, epsilon, outer, rounds, fine_epsilon, mirrored, relaxed, plan,
 ):  # fmt: skip
     """Fill `plan` (s, t) with what lays the samples of one surface on those of another.
@@ -36,6 +58,8 @@ def lay(
     Arguments are the fields of two `shapery_retrieval.correspondence.SampledSurface`, and that module's constants.
     """
     s, t, k, l = len(masses), len(masses2), len(gathered), len(gathered2)  # noqa: E741
+    every, every2 = unit * bare.astype(np.float32), unit2 * bare2.astype(np.float32)
+    distances, distances2 = np.ascontiguousarray(every[:, :k]), np.ascontiguousarray(every2[:, :l])
     products, by_sides = np.dot(known, known2.T), np.dot(sides, sides2.T)
     alike, turned = np.empty((k, l), dtype=np.float32), np.empty((k, l), dtype=np.float32)
     for i in range(k):
@@ -44,7 +68,7 @@ def lay(
             alike[i, j] = both - np.float32(2.0) * by_sides[i, j]
             turned[i, j] = both + np.float32(2.0) * by_sides[i, j]
     coarse = np.empty((k, l), dtype=np.float32)
-    cost = transport(
+    coarse_cost = transport(
         alike, gathered, distances[:k], gathered2, distances2[:l],
         alpha, warm, epsilon, outer, rounds, relaxed, coarse,
     )  # fmt: skip
@@ -55,7 +79,7 @@ def lay(
             turned, gathered, distances[:k], gathered2, distances2[:l],
             alpha, warm, epsilon, outer, rounds, relaxed, other,
         )  # fmt: skip
-        if turned_cost < mirrored * cost:
+        if turned_cost < mirrored * coarse_cost:
             sign, coarse = np.float32(-1.0), other
     # Σ_kl (C_ik − D_jl)² T_kl = (C² T1)_i + (D² Tᵀ1)_j − 2 (C T Dᵀ)_ij, with distances to the coarse samples
     across = np.dot(np.dot(distances, coarse), distances2.T)
@@ -76,11 +100,34 @@ def lay(
         for b in range(l):
             total += distances2[j, b] * distances2[j, b] * borne[b]
         column[j] = beta * squares2[j] + alpha * total
+    cost = np.empty((s, t), dtype=np.float32)
     for i in range(s):
         for j in range(t):
-            inner = beta * (products[i, j] + sign * by_sides[i, j]) + alpha * across[i, j]
-            products[i, j] = row[i] + column[j] - np.float32(2.0) * inner
-    settle(products, masses, masses2, fine_epsilon, rounds, relaxed, plan)
+            products[i, j] += sign * by_sides[i, j]
+            inner = beta * products[i, j] + alpha * across[i, j]
+            cost[i, j] = row[i] + column[j] - np.float32(2.0) * inner
+    settle(cost, masses, masses2, fine_epsilon, rounds, relaxed, plan)
+    # where a sample was laid the most, and what was laid there
+    places, back = np.empty(s, dtype=np.int32), np.zeros(t, dtype=np.int32)
+    most = np.zeros(t, dtype=np.float32)
+    for i in range(s):
+        out = plan[i]
+        places[i] = np.argmax(out)
+        for j in range(t):
+            larger = out[j] > most[j]
+            back[j] = np.int32(i) if larger else back[j]
+            most[j] = out[j] if larger else most[j]
+    misfit = _misfit(bare, reach, every, places, every2)
+    if not relaxed:  # of a part's whole much may stay bare, and what is laid there says nothing
+        behind = _misfit(bare2, reach2, every2, back, every)
+        for i in range(s):
+            for j in range(t):
+                misfit[i, j] = np.float32(0.5) * (misfit[i, j] + behind[j, i])
+    for i in range(s):
+        for j in range(t):
+            unlike = squares[i] + squares2[j] - np.float32(2.0) * products[i, j]
+            cost[i, j] = beta * unlike + alpha * misfit[i, j]
+    settle(cost, masses, masses2, fine_epsilon, rounds, relaxed, plan)
 
 
 @njit(**FAST)

@@ -40,7 +40,9 @@ MIRRORED = np.float32(0.5)
 """A body is taken for mirrored where this brings its cost below this share. Of poses none came below 0.65; a mirrored
 copy comes to about 0.02."""
 FINE_EPSILON = np.float32(0.01)
-"""Entropy of the plan of all samples, which is found from their distances to the coarse ones."""
+"""Entropy of the plans of all samples: from their distances to the coarse ones, then to those around them."""
+AROUND = 12
+"""By so many nearest samples each finds its place at last. A pose keeps short distances better than long ones."""
 
 Array32 = NDArray[np.float32]
 
@@ -59,8 +61,12 @@ class SampledSurface:
         What changes its sign in a mirror, weighted likewise.
     squares : (s,) float32
         Squared lengths of both together.
-    distances : (s, c) float32
-        Geodesic distance from each to the first ones, over the mean.
+    distances : (s, s) uint8
+        Geodesic distances between them, in units.
+    unit
+        Of the distances, over the mean distance.
+    reach : (s,) uint8
+        How far off those around each lie, in these units.
     gathered : (c,) float32
         Share of the surface that is nearest to each of the first ones.
     parts
@@ -72,7 +78,9 @@ class SampledSurface:
     known: Array32
     sides: Array32
     squares: Array32
-    distances: Array32
+    distances: NDArray[np.uint8]
+    unit: np.float32
+    reach: NDArray[np.uint8]
     gathered: Array32
     parts: tuple[tuple[NDArray[np.int64], int], ...]
 
@@ -89,8 +97,9 @@ def surface_of(arg: Arg) -> SampledSurface:
     known = (arg.whole["patch_features"][:, KNOWN] - mean) * factor
     sides = arg.whole["patch_sides"] * side
     bare = np.append(arg.whole["patch_distances"], np.uint8(0))
-    distances = bare[_places(s, COARSE)] * np.float32(arg.whole["patch_reach"][0] / 255)
-    gathered = np.bincount(np.argmin(distances, axis=1), masses, distances.shape[1])
+    distances = bare[_places(s)]
+    coarse, around = min(s, COARSE), min(s, AROUND) - 1
+    gathered = np.bincount(np.argmin(distances[:, :coarse], axis=1), masses, coarse)
     numbers = finest
     parts: list[tuple[NDArray[np.int64], int]] = []
     for level in arg.levels[:0:-1]:
@@ -103,6 +112,8 @@ def surface_of(arg: Arg) -> SampledSurface:
         sides,
         np.einsum("sf,sf->s", known, known) + np.einsum("sf,sf->s", sides, sides),
         distances,
+        np.float32(arg.whole["patch_reach"][0] / 255),
+        np.partition(distances, around, axis=1)[:, around],
         gathered.astype(np.float32),
         tuple(parts),
     )
@@ -120,9 +131,7 @@ def region_samples(whole: Mapping[str, NDArray[Any]], numbers: NDArray[np.int32]
     """
     chosen = np.flatnonzero(numbers[whole["patch_parts"]] >= 0)
     of_each = ("patch_masses", "patch_features", "patch_sides")
-    pairs = _places(len(whole["patch_parts"]), len(whole["patch_parts"]))[np.ix_(chosen, chosen)][
-        np.triu_indices(len(chosen), 1)
-    ]
+    pairs = _places(len(whole["patch_parts"]))[np.ix_(chosen, chosen)][np.triu_indices(len(chosen), 1)]
     return {
         **whole,
         **{name: whole[name][chosen] for name in of_each},
@@ -143,14 +152,15 @@ def lay(query: SampledSurface, other: SampledSurface, *, relaxed: bool = False) 
 
     Notes
     -----
-    A few samples are laid by fused Gromov–Wasserstein transport, the others by their distances to these. Left is laid
+    A few samples are laid by fused Gromov–Wasserstein transport, the others by their distances to these, and all once
+    more by the distances to the samples around them, which lie where they were laid the most. Left is laid
     on left, unless single samples look more alike mirrored, and all of them together cost far less: a body with two
     like sides may lean to either, a mirrored one is its original.
     """
     plan = np.empty((len(query.masses), len(other.masses)), dtype=np.float32)
     kernels.lay(
-        query.masses, query.known, query.sides, query.squares, query.distances, query.gathered,
-        other.masses, other.known, other.sides, other.squares, other.distances, other.gathered,
+        query.masses, query.known, query.sides, query.squares, query.distances, query.unit, query.reach, query.gathered,
+        other.masses, other.known, other.sides, other.squares, other.distances, other.unit, other.reach, other.gathered,
         ALPHA, WARM, EPSILON, OUTER, ROUNDS, FINE_EPSILON, MIRRORED, relaxed, plan,
     )  # fmt: skip
     return plan
@@ -177,9 +187,9 @@ def _standards() -> tuple[Array32, Array32, np.float32]:
 
 
 @lru_cache(maxsize=64)
-def _places(s: int, few: int) -> NDArray[np.intp]:
-    """(s, few) where the distance of each sample to the first ones is kept; that to itself follows the last one."""
+def _places(s: int) -> NDArray[np.intp]:
+    """(s, s) where the distance between two samples is kept; that to itself follows the last one."""
     upper = np.triu_indices(s, 1)
     places = np.full((s, s), len(upper[0]), dtype=np.intp)
     places[upper] = np.arange(len(upper[0]))
-    return np.ascontiguousarray(np.minimum(places, places.T)[:, :few])
+    return np.minimum(places, places.T)

@@ -7,6 +7,7 @@ import pytest
 
 from shapery_geometry.mesh import TriangleMesh, icosphere
 from shapery_retrieval import _matching_kernels as kernels
+from shapery_retrieval._correspondence_kernels import _misfit
 from shapery_retrieval.correspondence import SampledSurface, between_parts, lay, surface_of
 from shapery_retrieval.describe import Description, describe
 from shapery_retrieval.matching import match
@@ -106,6 +107,24 @@ def test_levels_agree_and_keep_the_areas(upright: Description, leaning: Descript
         np.testing.assert_allclose(np.bincount(parts, surface.masses, count), level.masses, atol=1e-4)
 
 
+def test_a_plan_turned_over_is_the_plan_backwards(upright: Description, leaning: Description) -> None:
+    here, there = surface_of(upright.arg), surface_of(leaning.arg)
+    np.testing.assert_allclose(lay(here, there), lay(there, here).T, atol=1e-6)
+
+
+def test_a_sample_fits_where_those_around_it_keep_their_distances() -> None:
+    rng = np.random.default_rng(1)
+    points, others = rng.uniform(size=(9, 3)), rng.uniform(size=(7, 3))
+    own, there = (np.linalg.norm(p[:, None] - p, axis=2).astype(np.float32) for p in (points, others))
+    bare = np.round(100 * own).astype(np.uint8)
+    reach = np.sort(bare, axis=1)[:, 3]
+    places = rng.integers(0, 7, 9).astype(np.int32)
+    found = _misfit(bare, reach, own, places, there)
+    for i, j in np.ndindex(9, 7):
+        around = np.flatnonzero(bare[i] <= reach[i])
+        assert found[i, j] == pytest.approx(np.mean((own[i, around] - there[places[around], j]) ** 2), rel=1e-4)
+
+
 def test_a_region_keeps_its_samples(described_egg: Description) -> None:
     arg = described_egg.arg
     kept = np.arange(arg.levels[2].parts) % 2 == 0
@@ -119,7 +138,7 @@ def test_a_region_keeps_its_samples(described_egg: Description) -> None:
     # distances among the first samples that are left are those of the whole
     full = described_egg.decomposition.samples.distances
     share = full[np.ix_(first, first)] / full.max()
-    np.testing.assert_allclose(part.distances[:10, :10] / arg.whole["patch_reach"][0], share, atol=0.003)
+    np.testing.assert_allclose(part.unit / arg.whole["patch_reach"][0] * part.distances[:10, :10], share, atol=0.003)
     np.testing.assert_array_equal(part.parts[1][0], (np.cumsum(kept) - 1)[whole.parts[1][0][inside]])
     above = whole.parts[0][0][inside]
     np.testing.assert_array_equal(part.parts[0][0], np.where(above < 8, above, -1))
@@ -135,7 +154,15 @@ def test_one_sample_is_laid_on_one() -> None:
     one, none = np.ones(1, np.float32), np.zeros(1, np.float32)
     part = np.zeros(1, np.int64), 1
     one = SampledSurface(
-        one, np.zeros((1, 22), np.float32), np.zeros((1, 10), np.float32), none, none[None], one, (part, part)
+        one,
+        np.zeros((1, 22), np.float32),
+        np.zeros((1, 10), np.float32),
+        none,
+        np.zeros((1, 1), np.uint8),
+        np.float32(1),
+        np.zeros(1, np.uint8),
+        one,
+        (part, part),
     )
     np.testing.assert_allclose(lay(one, one), 1)
 
