@@ -12,6 +12,7 @@ from shapery_motion.compiled import inlined, inner, kernel
 from shapery_motion.entropy._coder_kernels import BINS, CONTEXTS, DECODE, MODE, bit_length, code_value, value_costs
 from shapery_motion.trajectory._level_kernels import MEMORY, SCALES, moved, scale
 from shapery_motion.trajectory._trellis_kernels import (
+    BEHIND,
     CANDIDATES,
     DELAY,
     NEXT,
@@ -185,12 +186,14 @@ def plan_bases(
                         if loss < losses_then[to]:
                             losses_then[to], origins[to], chosen[to] = loss, state, values[c]
                 best = int(np.argmin(losses_then[:STATES]))
+                most = losses_then[best] + BEHIND
                 settled = count % DELAY
                 if count >= DELAY:
                     now[(count - DELAY) // 3, (count - DELAY) % 3] = paths[origins[best], settled]
                 for state in range(STATES):
                     losses[state] = losses_then[state]
-                    if losses[state] == np.inf:
+                    if losses[state] > most:
+                        losses[state] = np.inf
                         continue
                     origin = origins[state]
                     if count >= DELAY and paths[origin, settled] != paths[origins[best], settled]:

@@ -11,6 +11,7 @@ import numpy as np
 from shapery_motion.compiled import inlined, inner
 from shapery_motion.entropy._coder_kernels import BINS, bit_length
 from shapery_motion.trajectory._trellis_kernels import (
+    BEHIND,
     CANDIDATES,
     DELAY,
     NEXT,
@@ -216,7 +217,8 @@ def plan_level(
                 if loss < losses_then[to]:
                     losses_then[to], origins[to], chosen[to] = loss, state, values[c]
                     steps_chosen[to] = guess + 0.5 * level_of(values[c], odd)
-        best = origins[int(np.argmin(losses_then[:STATES]))]
+        least = int(np.argmin(losses_then[:STATES]))
+        best, most = origins[least], losses_then[least] + BEHIND
         settled = pair % DELAY
         done = pair - DELAY
         if done >= low:
@@ -227,7 +229,8 @@ def plan_level(
             means[second] = means[nodes + done] - sizes[first] / size * steps[best, settled]
         for state in range(STATES):
             losses[state] = losses_then[state]
-            if losses[state] == np.inf:
+            if losses[state] > most:
+                losses[state] = np.inf
                 continue
             origin = origins[state]
             if done >= low and steps[origin, settled] != steps[best, settled]:

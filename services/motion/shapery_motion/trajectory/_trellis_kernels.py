@@ -22,6 +22,8 @@ STATES: Final = len(NEXT)
 DELAY: Final = 64
 """Numbers after which an encoder's choice is final."""
 CANDIDATES: Final = 3
+BEHIND: Final = 0.6
+"""Squared steps by which a path may lie behind the best before an encoder gives it up."""
 
 
 @inlined

@@ -6,6 +6,7 @@ import itertools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from typing import Final
 
 import numpy as np
@@ -17,6 +18,7 @@ from shapery_motion.graph import VertexGraph
 from shapery_motion.trajectory._frame_kernels import functions_of_time
 from shapery_motion.trajectory.borders import Border, DecodedCluster, in_rows, numbers_within
 from shapery_motion.trajectory.model import BASES, DEPENDENT_BASES, DEPENDENT_FIELDS, FIELDS, MODEL, GroupModel
+from shapery_motion.trajectory.reduction import Trajectories
 from shapery_motion.trajectory.streams import BasisStream, FieldStream, PairingTree
 
 FloatArray = NDArray[np.float64]
@@ -38,6 +40,8 @@ MODES: Final = (16, 64)
 """By how many modes they are compared, likewise."""
 RUN_BITS: Final = (8.0, 20.0)
 """What a further run costs by itself, likewise."""
+PRODUCT: Final = 128
+"""Frames up to which a run is transformed by a product of matrices where cuts are compared."""
 ROUNDS: Final = 4
 """How often cuts are moved to where they cost least, at the most."""
 
@@ -91,32 +95,29 @@ def out_of_runs(coefficients: FloatArray, cuts: IntArray) -> FloatArray:
     return result
 
 
-def principal_modes(trajectories: FloatArray, step: float) -> tuple[FloatArray, FloatArray]:
-    """Return energies and modes (r, t) of the trajectories (n, t) that may ever pay at a step."""
-    n, t = trajectories.shape
-    least = step * step / 12.0 * (n + t) / 16.0
-    if n <= t:
-        energies, vectors = np.linalg.eigh(trajectories @ trajectories.T)
-        energies, vectors = energies[::-1], vectors[:, ::-1]
-        rank = max(int((energies > least).sum()), 0)
-        modes = (vectors[:, :rank].T @ trajectories) / np.sqrt(energies[:rank])[:, None]
+def principal_modes(points: FloatArray, step: float, numbers: int) -> tuple[FloatArray, FloatArray]:
+    """Return energies and modes (r, d) of the points (n, d) that may ever pay at a step, as numbers of a mode go."""
+    n, d = points.shape
+    least = step * step / 12.0 * numbers / 16.0
+    energies, vectors = np.linalg.eigh(points @ points.T if n <= d else points.T @ points)
+    energies, vectors = energies[::-1], vectors[:, ::-1]
+    rank = max(int((energies > least).sum()), 0)
+    if n <= d:
+        modes = (vectors[:, :rank].T @ points) / np.sqrt(energies[:rank])[:, None]
     else:
-        energies, vectors = np.linalg.eigh(trajectories.T @ trajectories)
-        energies, vectors = energies[::-1], vectors[:, ::-1]
-        rank = max(int((energies > least).sum()), 0)
         modes = np.ascontiguousarray(vectors[:, :rank].T)
     return energies[:rank].copy(), modes
 
 
 def prepare(
-    trajectories: FloatArray, graph: VertexGraph, labels: IntArray, step: float, *, thorough: bool
+    trajectories: Trajectories, graph: VertexGraph, labels: IntArray, step: float, *, thorough: bool
 ) -> list[Cluster]:
     """Find the modes and the runs of each cluster.
 
     Parameters
     ----------
-    trajectories : (n, F, 3)
-        Of all vertices, without the offset.
+    trajectories
+        Of all vertices.
     graph
         The mesh.
     labels : (n,)
@@ -124,18 +125,23 @@ def prepare(
     step
         About the step that will be used.
     thorough
-        Whether to take time for the runs: these are then the last.
+        Whether to take time for the modes and the runs: these are then the last.
     """
-    n, frames, _ = trajectories.shape
+    n, frames, _ = trajectories.full.shape
     scratch = np.full(n, -1, dtype=np.int64)
     groups = tuple(np.flatnonzero(labels == label) for label in range(int(labels.max()) + 1))
     local = numbers_within(labels, groups)
     clusters = []
     for members in groups:
         tree = PairingTree.of_members(graph, members, scratch)
-        mean = trajectories[members].mean(axis=0)
-        own = trajectories[members] - mean
-        energies, modes = principal_modes(own.reshape(len(members), -1), step)
+        mean = trajectories.full[members].mean(axis=0)
+        own = trajectories.full[members] - mean
+        points = own.reshape(len(members), -1)
+        if not thorough:
+            points = trajectories.points[members] - trajectories.points[members].mean(axis=0)
+        energies, modes = principal_modes(points, step, len(members) + 3 * frames)
+        if not thorough:
+            modes = modes @ trajectories.directions
         functions = modes.reshape(len(modes), frames, 3).transpose(1, 0, 2)
         amplitudes = np.concatenate(
             (math.sqrt(len(members)) * mean[:, None], functions * np.sqrt(energies)[:, None]), axis=1
@@ -156,15 +162,16 @@ def best_cuts(amplitudes: FloatArray, *, thorough: bool) -> IntArray:
     and cuts are moved to where they cost least. If `thorough`, by more modes, on a finer grid, and to the very frame.
     """
     frames = len(amplitudes)
-    values = np.ascontiguousarray(amplitudes[:, : MODES[thorough]].reshape(frames, -1))
+    # in half steps, and in single precision, which takes half the time
+    values = (2.0 * amplitudes[:, : MODES[thorough]].reshape(frames, -1)).astype(np.float32)
     if values.size == 0 or frames < 2 * GRID:
         return np.array([0, frames], dtype=np.int64)
     known: dict[tuple[int, int], float] = {}
 
     def cost(first: int, stop: int) -> float:
         if (first, stop) not in known:
-            run = dct(values[first:stop], axis=0, norm="ortho")
-            known[first, stop] = RUN_BITS[thorough] + float(np.log2(1.0 + 2.0 * np.abs(run)).sum())
+            run = _transformed(values[first:stop])
+            known[first, stop] = RUN_BITS[thorough] + float(np.log2(1.0 + np.abs(run)).sum())
         return known[first, stop]
 
     cuts = _split(cost, _cuts_on_grid(cost, frames, GRID * -(-frames // (GRID * PLACES[thorough]))))
@@ -174,6 +181,18 @@ def best_cuts(amplitudes: FloatArray, *, thorough: bool) -> IntArray:
             break
         cuts = moved
     return np.array(cuts, dtype=np.int64)
+
+
+def _transformed(values: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return orthonormal cosine coefficients; short runs by a product of matrices, which is faster there."""
+    if len(values) > PRODUCT:
+        return np.asarray(dct(values, axis=0, norm="ortho"))
+    return _cosines(len(values)) @ values
+
+
+@cache
+def _cosines(length: int) -> NDArray[np.float32]:
+    return np.asarray(dct(np.eye(length, dtype=np.float32), axis=0, norm="ortho"))
 
 
 def _cuts_on_grid(cost: Callable[[int, int], float], frames: int, grid: int) -> list[int]:

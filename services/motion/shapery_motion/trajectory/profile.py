@@ -29,6 +29,7 @@ from shapery_motion.trajectory.model import (
     SECOND_FIELDS,
     GroupModel,
 )
+from shapery_motion.trajectory.reduction import Trajectories
 from shapery_motion.trajectory.streams import BasisStream, FieldStream, PairingTree
 
 FloatArray = NDArray[np.float64]
@@ -53,24 +54,29 @@ ONE_COARSER: Final = (2.5,)
 when there is none."""
 OTHERS: Final = (0.6,)
 """Costs of modes beside the measured ones, in their units, by which clusters are sought."""
+LOOKS: Final = (1, 2)
+"""Quick encodings before clusters are sought, when there is no time and when there is."""
+QUICK: Final = 1000
+"""Clusters times vertices, a frame, from which merging starts when there is no time."""
+QUICK_ROUNDS: Final = 3
+"""How often vertices are moved then once clusters were merged."""
 LONG: Final = 64
 """Frames from which on it is worth the time to seek clusters from a second start."""
-COARSENED: Final = 1.08
+COARSENED: Final = 1.095
 """By how much the step may grow, about, when quantisation becomes dependent."""
-PASSES: Final = 5
-"""Trials after which the search for the step ends with the best that keeps the bound: with dependent quantisation
-errors are no smooth function of the step, and differ by half a percent between steps next to each other."""
 REFINED: Final = 2
 """How often clusters are moved by what their modes cost, at the most."""
-SETTLED: Final = 0.99
-"""Share of the allowed squared error that is used up at least then."""
+PASSES: Final = 3
+"""How many trials the search for the step takes, about; it ends with the best that keeps the bound after at most the
+others."""
 MOST_PASSES: Final = 12
 APART: Final = 0.01
 """Logarithms of steps that lie apart enough to tell how the error grows."""
-NEAR: Final = 0.997
+NEAR: Final = 0.994
 NEAR_ENOUGH: Final = 0.97
 """Share of the allowed squared error that is used up at least before the search for the step ends, when there is time
-and when there is none."""
+and when there is none. With dependent quantisation errors are no smooth function of the step, and differ by half a
+percent between steps next to each other."""
 
 
 def encode_group(task: GroupTask) -> EncodedGroup:
@@ -85,22 +91,26 @@ def encode_group(task: GroupTask) -> EncodedGroup:
     sources, kept = repeated_frames(task.frames, 0.01 * allowed / frames)
     moving = task.frames[kept]
     offset = moving.mean(axis=(0, 1))
-    trajectories = np.ascontiguousarray((moving - offset).transpose(1, 0, 2))
+    full = np.ascontiguousarray((moving - offset).transpose(1, 0, 2))
     lost = float(sum(((task.frames[f] - moving[s]) ** 2).sum() for f, s in enumerate(sources)))
     # what the differences of frames shown more than once add to the error, about
     target = allowed - lost
-    # a first step that is finer than the one that will be used must not be too fine for the coder
-    step = max(math.sqrt(FIRST * target / (frames * n)), math.sqrt(float((trajectories**2).sum())) / LARGEST)
+    trajectories = Trajectories.of(full, target)
+    step = max(math.sqrt(FIRST * target / (frames * n)), trajectories.size / LARGEST)
     thorough = task.preset == "default"
-    worths = [Worth(len(moving), SHARE, SHARE)]
+    step, worth = quick_look(trajectories, graph, step, target, looks=LOOKS[thorough], offset=offset, sources=sources)
+    worths = [worth]
+    many: tuple[int, ...] = (min(MANY[0], max(FEW[0], QUICK * len(moving) // n)),)
     if thorough:
-        step, worths = quick_look(trajectories, graph, step, target, offset=offset, sources=sources)
-    many = (MANY if len(moving) >= LONG else MANY[:1]) if thorough else FEW
-    ways = find_clusters(trajectories, graph, step, worths, count=task.clusters, many=many)
+        worths += [Worth(worth.frames, worth.in_space * k, worth.in_time * k) for k in OTHERS]
+        many = MANY if len(moving) >= LONG else MANY[:1]
+    ways = find_clusters(trajectories.points, graph, step, worths, count=task.clusters, many=many)
     task.on_progress(0.2)
     labels = ways[0]
     if thorough:
         labels, step = choose_way(trajectories, graph, step, ways, target, task, offset=offset, sources=sources)
+    elif task.clusters is None:
+        labels = refined(trajectories.points, graph, step, labels, worth, rounds=QUICK_ROUNDS)
     clusters = prepare(trajectories, graph, labels, step, thorough=thorough)
     task.on_progress(0.4)
     near = NEAR if thorough else NEAR_ENOUGH
@@ -108,8 +118,6 @@ def encode_group(task: GroupTask) -> EncodedGroup:
     low, high = 0.0, math.inf
     slope, tried = 1.8, (0.0, 0.0)
     for number in range(MOST_PASSES):
-        if number >= PASSES and best and best.squared_error >= min(near, SETTLED) * target:
-            break
         task.check_cancelled()
         made = encode_at(clusters, graph, step, offset=offset, sources=sources, dependent=thorough)
         ratio = made.squared_error / target
@@ -129,7 +137,7 @@ def encode_group(task: GroupTask) -> EncodedGroup:
         aim = 0.5 * (1.0 + near) - (0.0 if best else 0.001 * number)
         guess = step * (aim / max(ratio, 1e-9)) ** (1.0 / slope)
         step = guess if low < guess < high else math.sqrt(max(low, guess / 4) * min(high, guess * 4))
-        task.on_progress(min(1.0, 0.4 + 0.6 * (number + 1) / PASSES))
+        task.on_progress(0.4 + 0.6 * min(1.0, (number + 1) / PASSES))
     if best is None:
         raise InvalidInput("invalid_params", "The bound is too fine: it could not be met.", "Allow a larger error.")
     points = [(best.squared_error + lost, best.size)]
@@ -148,7 +156,7 @@ def encode_group(task: GroupTask) -> EncodedGroup:
 
 
 def choose_way(
-    trajectories: FloatArray,
+    trajectories: Trajectories,
     graph: VertexGraph,
     step: float,
     ways: list[NDArray[np.int64]],
@@ -184,10 +192,24 @@ def choose_way(
         tried(way)
         task.on_progress(0.2 + 0.15 * (number + 1) / len(ways))
     for _ in range(REFINED if task.clusters is None else 0):
-        way = refined(trajectories, graph, step, labels, worth) if worth else labels
+        way = refined(trajectories.points, graph, step, labels, worth) if worth else labels
         if np.array_equal(way, labels) or not tried(way):
             break
     return labels, best_step
+
+
+def expected_step(clusters: list[Cluster], target: float) -> float:
+    """Return about the step that meets a squared error, from the energies of the modes alone."""
+    frames = int(clusters[0].cuts[-1])
+    low, high = 0.0, math.sqrt(12.0 * target)
+    for _ in range(40):
+        step = 0.5 * (low + high)
+        lost = 0.0
+        for cluster in clusters:
+            rounding = step * step / 12.0 * (len(cluster.members) + 3 * frames)
+            lost += 3 * frames * step * step / 12.0 + float(np.minimum(cluster.energies, rounding).sum())
+        low, high = (step, high) if lost <= target else (low, step)
+    return low
 
 
 def nearer(target: float, found: float) -> float:
@@ -196,23 +218,28 @@ def nearer(target: float, found: float) -> float:
 
 
 def quick_look(
-    trajectories: FloatArray,
+    trajectories: Trajectories,
     graph: VertexGraph,
     step: float,
     target: float,
     *,
+    looks: int,
     offset: FloatArray,
     sources: NDArray[np.int64],
-) -> tuple[float, list[Worth]]:
+) -> tuple[float, Worth]:
     """Return about the step that meets a squared error, and what modes cost there, from quick encodings."""
-    worth = Worth(trajectories.shape[1], SHARE, SHARE)
-    for _ in range(2):
-        labels = find_clusters(trajectories, graph, step, [worth], count=None, many=FEW)[0]
+    worth = Worth(trajectories.full.shape[1], SHARE, SHARE)
+    for look in range(looks):
+        labels = find_clusters(trajectories.points, graph, step, [worth], count=None, many=FEW)[0]
         clusters = prepare(trajectories, graph, labels, step, thorough=False)
+        if not look:
+            # a step that is finer than the one that will be used must not be too fine for the coder
+            step = max(expected_step(clusters, target), trajectories.size / LARGEST)
         made = encode_at(clusters, graph, step, offset=offset, sources=sources)
         worth = worth_of(clusters, made)
-        step *= nearer(target, made.squared_error)
-    return step, [worth, *(Worth(worth.frames, worth.in_space * k, worth.in_time * k) for k in OTHERS)]
+        # better clusters err less than these; a little less than what is allowed is near enough
+        step *= nearer(NEAR_ENOUGH * target, made.squared_error)
+    return step, worth
 
 
 def worth_of(clusters: list[Cluster], made: Encoded) -> Worth:
