@@ -17,9 +17,26 @@ mpl.use("Agg")
 
 from matplotlib import pyplot as plt
 
-COLOURS = ("#1f5fa8", "#6aa9e0", "#c0504d", "#2e8b57", "#74b58d", "#8064a2", "#b8860b", "#808080", "#444444")
-DOTS = 90
-MARKS = ("o", "o", "s", "^", "v", "D", "P", "x", "*")
+DOTS = 110
+COLOURS = ("#1f5fa8", "#c0504d", "#2e8b57", "#8064a2", "#b8860b", "#444444")
+MARKS = ("o", "s", "^", "D", "v", "P")
+STYLES = {
+    "trajectory": ("#1f5fa8", "o", "ours"),
+    "trajectory-fast": ("#6aa9e0", "o", "ours, fast"),
+    "gradient": ("#c0504d", "s", "dissertation's profile"),
+    "text": ("#e39a98", "s", "dissertation's, as written"),
+    "affine-clusters": ("#d9772b", "v", "affine vertex clusters"),
+    "spectral-positions": ("#a0522d", "<", "spectral, positions"),
+    "spectral-differences": ("#d2a679", ">", "spectral, differences"),
+    "clustered-pca": ("#2e8b57", "^", "clustered PCA, as published"),
+    "clustered-pca-strong": ("#74b58d", "^", "clustered PCA, strengthened"),
+    "trajectory-pca": ("#8064a2", "D", "trajectory PCA"),
+    "shape-pca": ("#b39ad0", "D", "shape PCA"),
+    "delta-parallelogram": ("#b8860b", "P", "delta + parallelogram"),
+    "delta-lzma": ("#808080", "x", "delta + lzma"),
+    "draco": ("#333333", "*", "Draco"),
+}
+"""Colour, mark and name of each method, the same in every panel and run."""
 
 
 def side_by_side(path: Path, panels: list[tuple[str, TriangleMesh]]) -> None:
@@ -62,24 +79,24 @@ def rate_distortion(path: Path, curves: dict[str, dict[str, list[tuple[float, fl
     columns = min(3, max(len(names), 1))
     rows = -(-len(names) // columns)
     figure, axes = plt.subplots(rows, columns, figsize=(4.6 * columns, 3.8 * rows), squeeze=False)
-    methods = list(dict.fromkeys(method for found in curves.values() for method in found))
-    styles = {method: (COLOURS[k % len(COLOURS)], MARKS[k % len(MARKS)]) for k, method in enumerate(methods)}
+    lines: dict[str, Any] = {}
     for place, axis in enumerate(axes.ravel()):
         if place >= len(names):
             axis.set_axis_off()
             continue
         for method, points in curves[names[place]].items():
             ordered = sorted(points)
-            colour, mark = styles[method]
-            axis.plot(
+            colour, mark, name = STYLES[method]
+            [lines[name]] = axis.plot(
                 [bits for _, bits in ordered], [kg for kg, _ in ordered],
-                color=colour, marker=mark, markersize=4, linewidth=1.2, label=method,
+                color=colour, marker=mark, markersize=4, linewidth=2.0 if method == "trajectory" else 1.1,
             )  # fmt: skip
         _logarithmic(axis, "bits per vertex and frame", "KG error, %")
         axis.set_ylim(0.015, 12)
         axis.set_title(names[place], fontsize=10)
-    axes[0][0].legend(fontsize=6.5)
-    figure.tight_layout()
+    told = [name for _, _, name in STYLES.values() if name in lines]
+    figure.legend([lines[name] for name in told], told, loc="lower center", ncols=5, fontsize=8, frameon=False)
+    figure.tight_layout(rect=(0, 0.08 if rows > 1 else 0.14, 1, 1))
     figure.savefig(path, dpi=DOTS)
     plt.close(figure)
 
@@ -91,6 +108,7 @@ def errors_over_clusters(path: Path, curves: dict[str, list[tuple[float, float]]
         ordered = sorted(points)
         axis.plot(*zip(*ordered, strict=True), color=COLOURS[k], marker=MARKS[k], markersize=4, label=name)
     _logarithmic(axis, "clusters", "Eq. 5.12, mean edge lengths")
+    axis.set_xticks(sorted({count for points in curves.values() for count, _ in points}))
     axis.legend(fontsize=7)
     figure.tight_layout()
     figure.savefig(path, dpi=DOTS)

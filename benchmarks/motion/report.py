@@ -13,6 +13,8 @@ from benchmarks.motion.chapter import TEXT_TABLE
 from benchmarks.motion.pictures import errors_over_clusters, rate_distortion
 from shapery_motion.errors import dissertation_bits
 
+PLAYED = 10_000
+"""Vertices that figures of decoding are scaled to."""
 Measured = dict[str, dict[str, Any]]
 """What is kept, by sequence and method."""
 
@@ -70,15 +72,16 @@ def write(kept: Path) -> None:
         name, method = place.name.removesuffix(".json").split(".", 1)
         found.setdefault(name, {})[method] = json.loads(place.read_text())
     found = dict(sorted(found.items(), key=lambda item: (item[0] != "crane", item[0].lower())))
+    decoding = _read(kept / "decoding.json") or {}
     growth = _read(kept / "growth.json") or []
     figures = _read(kept / "figures.json") or {}
     (RESULTS / "motion.json").write_text(
-        json.dumps({"sequences": found, "growth": growth, "figures": figures}, indent=1) + "\n"
+        json.dumps({"sequences": found, "decoding": decoding, "growth": growth, "figures": figures}, indent=1) + "\n"
     )
     lines = ["# Motion: rate and distortion, and the tables of chapter 5", "", *PREFACE, ""]
     for section in (_rates, _ratio, _errors, _costs):
         lines += section(found)
-    lines += _growth(growth) + _chapter(found, figures)
+    lines += _decoding(decoding) + _growth(growth) + _chapter(found, figures)
     (RESULTS / "motion.md").write_text("\n".join(lines).rstrip() + "\n")
     rate_distortion(RESULTS / "motion-rate.png", _curves(found))
     over = {name: _over_clusters(methods["text"]["points"]) for name, methods in found.items() if "text" in methods}
@@ -94,7 +97,7 @@ def restore(kept: Path) -> None:
     parts = {
         f"{name}.{method}": found for name, methods in told["sequences"].items() for method, found in methods.items()
     }
-    for name, found in {**parts, "growth": told["growth"], "figures": told["figures"]}.items():
+    for name, found in {**parts, **{part: told.get(part) for part in ("decoding", "growth", "figures")}}.items():
         if found:
             (kept / f"{name}.json").write_text(json.dumps(found, indent=1) + "\n")
 
@@ -209,6 +212,38 @@ def _costs(found: Measured) -> list[str]:
         "",
     ]
     return ["## Time and memory", "", *note, *_table(head, rows)]
+
+
+def _decoding(found: dict[str, Any]) -> list[str]:
+    if not found:
+        return []
+    rows = [
+        [
+            name, str(row["vertices"]), f"{row['first_cpu_seconds']:.3f}", f"{1 / row['frame_cpu_seconds']:,.0f}",
+            f"{row['vertices'] / (PLAYED * row['frame_cpu_seconds']):,.0f}",
+            f"{1000 * row['longest_frame_cpu_seconds']:.2f}", f"{row['browser']['first_seconds']:.3f}",
+            f"{row['vertices'] / (PLAYED * row['browser']['frame_seconds']):,.0f}",
+        ]
+        for name, row in found["sequences"].items()
+    ]  # fmt: skip
+    head = ["sequence", "vertices", "first frame, s", "frames/s", f"frames/s at {PLAYED:,} vertices",
+            "longest random access, ms", "browser: first frame, s",
+            f"browser: frames/s at {PLAYED:,} vertices"]  # fmt: skip
+    few, many = found["memory"]
+    return [
+        "## Opening and playing",
+        "",
+        "Files of the default setting (KG 0.1 %) in Python, CPU time on one core: opening up to the first frame, then",
+        "frames of the open group in random order; scaled, as if the time of a frame were in proportion to its",
+        f"vertices. The browser is Chromium {found['browser']} with the dashboard's decoder, by the clock; its first",
+        "frame includes that the script is compiled.",
+        "",
+        *_table(head, rows),
+        f"Memory: a process that decodes one group of {few['frames']} frames of {few['sequence']} holds at the most",
+        f"{few['peak_megabytes']:.1f} MB, the interpreter and its libraries included; one that decodes all",
+        f"{many['frames']} frames, in such groups, {many['peak_megabytes']:.1f} MB.",
+        "",
+    ]
 
 
 def _growth(rows: list[dict[str, Any]]) -> list[str]:
