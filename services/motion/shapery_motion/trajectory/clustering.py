@@ -25,8 +25,7 @@ FEW: Final = (24,)
 NEAR: Final = 12
 """With how many others, to which it is nearest, a cluster may merge."""
 LAST_COHERENCE: Final = 1.0
-LAST_ROUNDS: Final = 8
-"""How vertices are moved once modes are known to cost something."""
+"""Squared distance that each neighbour of equal label is worth once modes are known to cost something."""
 DIMENSIONS: Final = 5
 """Modes of a cluster, beside its mean, before it is known how many pay."""
 BIT: Final = 2.0 * np.log(2.0) / 12.0
@@ -260,10 +259,11 @@ def find_clusters(
     points: FloatArray,
     graph: VertexGraph,
     step: float,
-    worths: Sequence[Worth],
+    worth: Worth,
     *,
     count: int | None,
     many: Sequence[int],
+    moves: tuple[int, int],
 ) -> list[IntArray]:
     """Divide the vertices into clusters, in one way or in several to choose from.
 
@@ -275,13 +275,14 @@ def find_clusters(
         The mesh.
     step
         About the step that will be used.
-    worths
-        What modes may cost: each leads to a way. If there are several, vertices are moved once more after the clusters
-        were merged.
+    worth
+        What modes cost.
     count
         How many clusters at the most are wanted; None: as many as pay.
     many
-        Numbers of clusters from which merging starts.
+        Numbers of clusters from which merging starts: each leads to a way.
+    moves
+        How often vertices are moved, at the most, before and after clusters are merged.
 
     Returns
     -------
@@ -289,7 +290,6 @@ def find_clusters(
         Labels from 0 without gaps; no two alike.
     """
     n = len(points)
-    thorough = len(worths) > 1
     starts = sorted({max(1, min(k, n // 24)) for k in many} if count is None else {min(count, n)})
     if starts == [1]:
         return [np.zeros(n, dtype=np.int64)]
@@ -297,27 +297,12 @@ def find_clusters(
     coarse = np.ascontiguousarray(points[:, :COARSE])
     found: list[IntArray] = []
     for start in starts:
-        labels = regroup(coarse, graph, spread_out(coarse, start), coherence=200.0, rounds=6 if thorough else 3)
+        labels = regroup(coarse, graph, spread_out(coarse, start), coherence=200.0, rounds=moves[0])
         if count is not None:
             return [labels]
-        spectra = Spectra(points, labels)
-        for worth in worths:
-            merged = merge(spectra, worth)
-            if thorough:
-                merged = regroup(points, graph, merged, coherence=LAST_COHERENCE, rounds=LAST_ROUNDS, worth=worth)
-            if not any(np.array_equal(merged, other) for other in found):
-                found.append(merged)
+        merged = merge(Spectra(points, labels), worth)
+        if moves[1]:
+            merged = regroup(points, graph, merged, coherence=LAST_COHERENCE, rounds=moves[1], worth=worth)
+        if not any(np.array_equal(merged, other) for other in found):
+            found.append(merged)
     return found
-
-
-def refined(
-    points: FloatArray,
-    graph: VertexGraph,
-    step: float,
-    labels: IntArray,
-    worth: Worth,
-    *,
-    rounds: int = LAST_ROUNDS,
-) -> IntArray:
-    """Return clusters after their vertices were moved by what modes cost: see `find_clusters`."""
-    return regroup(points[:, :REDUCED] / step, graph, labels, coherence=LAST_COHERENCE, rounds=rounds, worth=worth)

@@ -16,7 +16,7 @@ from shapery_motion.graph import VertexGraph
 from shapery_motion.profiles import EncodedGroup, GroupTask
 from shapery_motion.trajectory import _frame_kernels as kernels
 from shapery_motion.trajectory.borders import Border, DecodedCluster, in_rows, numbers_within
-from shapery_motion.trajectory.clustering import FEW, MANY, SHARE, Worth, find_clusters, refined, share_of
+from shapery_motion.trajectory.clustering import FEW, MANY, SHARE, Worth, find_clusters, share_of
 from shapery_motion.trajectory.encoding import LARGEST, Cluster, Encoded, encode_at, prepare
 from shapery_motion.trajectory.model import (
     BASES,
@@ -52,24 +52,21 @@ COARSER: Final = (2.0, 5.0)
 ONE_COARSER: Final = (2.5,)
 """Steps beside the one that is used, in its units, at which the report tells rate and error, when there is time and
 when there is none."""
-OTHERS: Final = (0.6,)
-"""Costs of modes beside the measured ones, in their units, by which clusters are sought."""
 LOOKS: Final = (1, 2)
 """Quick encodings before clusters are sought, when there is no time and when there is."""
 QUICK: Final = 1000
 """Clusters times vertices, a frame, from which merging starts when there is no time."""
-QUICK_ROUNDS: Final = 3
-"""How often vertices are moved then once clusters were merged."""
+LOOK_MOVES: Final = (3, 0)
+MOVES: Final = ((3, 3), (6, 8))
+"""How often vertices are moved before and after clusters are merged, in a quick look, and for the clusters themselves
+when there is no time and when there is."""
 LONG: Final = 64
 """Frames from which on it is worth the time to seek clusters from a second start."""
 COARSENED: Final = 1.095
 """By how much the step may grow, about, when quantisation becomes dependent."""
-REFINED: Final = 2
-"""How often clusters are moved by what their modes cost, at the most."""
 PASSES: Final = 3
-"""How many trials the search for the step takes, about; it ends with the best that keeps the bound after at most the
-others."""
 MOST_PASSES: Final = 12
+"""How many trials the search for the step takes, about, and at the most."""
 APART: Final = 0.01
 """Logarithms of steps that lie apart enough to tell how the error grows."""
 NEAR: Final = 0.994
@@ -99,18 +96,15 @@ def encode_group(task: GroupTask) -> EncodedGroup:
     step = max(math.sqrt(FIRST * target / (frames * n)), trajectories.size / LARGEST)
     thorough = task.preset == "default"
     step, worth = quick_look(trajectories, graph, step, target, looks=LOOKS[thorough], offset=offset, sources=sources)
-    worths = [worth]
     many: tuple[int, ...] = (min(MANY[0], max(FEW[0], QUICK * len(moving) // n)),)
     if thorough:
-        worths += [Worth(worth.frames, worth.in_space * k, worth.in_time * k) for k in OTHERS]
         many = MANY if len(moving) >= LONG else MANY[:1]
-    ways = find_clusters(trajectories.points, graph, step, worths, count=task.clusters, many=many)
+    moves = MOVES[thorough]
+    ways = find_clusters(trajectories.points, graph, step, worth, count=task.clusters, many=many, moves=moves)
     task.on_progress(0.2)
     labels = ways[0]
     if thorough:
         labels, step = choose_way(trajectories, graph, step, ways, target, task, offset=offset, sources=sources)
-    elif task.clusters is None:
-        labels = refined(trajectories.points, graph, step, labels, worth, rounds=QUICK_ROUNDS)
     clusters = prepare(trajectories, graph, labels, step, thorough=thorough)
     task.on_progress(0.4)
     near = NEAR if thorough else NEAR_ENOUGH
@@ -166,35 +160,18 @@ def choose_way(
     offset: FloatArray,
     sources: NDArray[np.int64],
 ) -> tuple[NDArray[np.int64], float]:
-    """Return the clusters of those that were found with which a quick encoding is smallest, and the step to go on with.
-
-    The best ones' vertices are moved by what modes cost in that encoding, as long as that makes it smaller.
-    """
+    """Return those clusters with which a quick encoding is smallest, and the step to go on with."""
     least, labels, best_step = math.inf, ways[0], step
-    worth: Worth | None = None
-
-    def tried(way: NDArray[np.int64]) -> bool:
-        """Encode, and keep what is the smallest so far."""
-        nonlocal least, labels, best_step, worth
+    for number, way in enumerate(ways):
         task.check_cancelled()
         prepared = prepare(trajectories, graph, way, step, thorough=False)
         made = encode_at(prepared, graph, step, offset=offset, sources=sources)
         # sizes at equal errors, as far as rates follow a power of the error
         size = made.size * (made.squared_error / target) ** SLOPE
-        if size >= least:
-            return False
-        least, labels, worth = size, way, worth_of(prepared, made)
-        # dependent quantisation errs less at the same step
-        best_step = step * COARSENED * nearer(target, made.squared_error)
-        return True
-
-    for number, way in enumerate(ways):
-        tried(way)
-        task.on_progress(0.2 + 0.15 * (number + 1) / len(ways))
-    for _ in range(REFINED if task.clusters is None else 0):
-        way = refined(trajectories.points, graph, step, labels, worth) if worth else labels
-        if np.array_equal(way, labels) or not tried(way):
-            break
+        if size < least:
+            # dependent quantisation errs less at the same step
+            least, labels, best_step = size, way, step * COARSENED * nearer(target, made.squared_error)
+        task.on_progress(0.2 + 0.2 * (number + 1) / len(ways))
     return labels, best_step
 
 
@@ -230,7 +207,7 @@ def quick_look(
     """Return about the step that meets a squared error, and what modes cost there, from quick encodings."""
     worth = Worth(trajectories.full.shape[1], SHARE, SHARE)
     for look in range(looks):
-        labels = find_clusters(trajectories.points, graph, step, [worth], count=None, many=FEW)[0]
+        labels = find_clusters(trajectories.points, graph, step, worth, count=None, many=FEW, moves=LOOK_MOVES)[0]
         clusters = prepare(trajectories, graph, labels, step, thorough=False)
         if not look:
             # a step that is finer than the one that will be used must not be too fine for the coder
