@@ -9,12 +9,14 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+
+Found = TypeVar("Found")
 
 ARGUMENTS = [
     "--headless=new",
@@ -83,6 +85,21 @@ def until(condition: Callable[[], bool], what: str, seconds: float = 60.0) -> No
     deadline = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < deadline, what
+        time.sleep(0.1)
+
+
+def eventually(check: Callable[[], Found], seconds: float = 60.0) -> Found:
+    """Check a page that changes by itself until it is as it should be; return what the check returns.
+
+    At the end of the time the assertion that fails is raised.
+    """
+    deadline = time.monotonic() + seconds
+    while True:
+        try:
+            return check()
+        except AssertionError:
+            if time.monotonic() > deadline:
+                raise
         time.sleep(0.1)
 
 

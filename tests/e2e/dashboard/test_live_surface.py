@@ -9,7 +9,7 @@ import httpx
 import pytest
 
 from tests.e2e.dashboard.conftest import OpenPage, Probe
-from tests.support.browser import picture, share_of
+from tests.support.browser import picture, share_of, until
 
 pytestmark = [pytest.mark.server, pytest.mark.browser]
 
@@ -30,16 +30,14 @@ def test_a_reload_in_the_middle_of_a_job_shows_the_surface_growing_again(
         canvas.wait_for()
         canvas.focus()
         page.keyboard.press("ArrowLeft")  # from now on the camera stays where it is
-        page.wait_for_timeout(700)
+        until(lambda: drawn(page) > 500, f"visit {visit + 1}: the surface is not drawn")
         before = drawn(page)
-        assert before > 500, f"visit {visit + 1}: the surface is not drawn"
-        page.wait_for_timeout(1500)
-        assert drawn(page) > 1.1 * before, f"visit {visit + 1}: the surface does not grow"
+        until(lambda before=before: drawn(page) > 1.1 * before, f"visit {visit + 1}: the surface does not grow")
         if visit == 0:
             page.reload()
     api.post(f"/v1/jobs/{job_id}/cancel").raise_for_status()
     page.locator("[data-state=cancelled]").first.wait_for()
-    assert page.get_by_test_id("live").count() == 0
+    page.get_by_test_id("live").wait_for(state="detached")
     assert api.get(f"/v1/jobs/{job_id}/preview").status_code == 204
 
 

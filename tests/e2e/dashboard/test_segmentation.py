@@ -11,16 +11,24 @@ import httpx
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scipy import ndimage
-from scipy.spatial import cKDTree
 
 from shapery_geometry.mesh_io import read_mesh
 from shapery_geometry.volume import Volume
 from shapery_geometry.volume_io import read_volume
 from shapery_segmentation.evolution import read_evolution
 from tests.e2e.dashboard.conftest import OpenPage
+from tests.e2e.dashboard.segmentation_pictures import (
+    box,
+    check_slice,
+    crosshair,
+    silhouette,
+    to_border,
+    tumor_colored,
+    vertices_of,
+    wait_for_pictures,
+)
 from tests.e2e.dashboard.test_accessibility import check_open_to_everyone
-from tests.support.browser import Watch, keep_picture, picture
+from tests.support.browser import Watch, eventually, keep_picture, picture, until
 from tests.support.volumes import write_series
 
 pytestmark = [pytest.mark.server, pytest.mark.browser, pytest.mark.slow]
@@ -63,33 +71,10 @@ def labels(segmented: dict[str, Any], api: httpx.Client, tmp_path: Path) -> Volu
     return read_volume(path)
 
 
-def wait_for_pictures(page: Any) -> None:
-    for name in ("Volume", "Surface"):
-        page.locator(f"section[aria-label={name}][data-status=ready]").wait_for()
-    page.wait_for_timeout(500)
-
-
 def wait_for_value(page: Any, label: str, value: str) -> None:
     field = page.get_by_role("combobox", name=re.compile(label))
     field.wait_for()
     page.wait_for_function("([field, value]) => field.value === value", arg=[field.element_handle(), value])
-
-
-def tumor_colored(pixels: NDArray[np.uint8]) -> NDArray[np.bool_]:
-    """Where pixels have a hue that gray slices have not: the orange of label 1, the blue of label 2."""
-    red, green, blue = (pixels[..., channel].astype(int) for channel in range(3))
-    orange = (red > blue + 40) & (red > green + 12) & (green > blue)
-    azure = (blue > red + 35) & (blue > green + 10)
-    return orange | azure
-
-
-def box(mask: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """First and last row and column of what is set, ignoring single pixels: ((top, bottom), (left, right))."""
-    edges = []
-    for axis in (1, 0):
-        along = np.flatnonzero(mask.sum(axis=axis) > 2)
-        edges.append((along[0], along[-1] + 1))
-    return np.array(edges, dtype=float)
 
 
 def test_a_folder_of_slices_is_segmented_and_drawn(open_page: OpenPage, api: httpx.Client, tmp_path: Path) -> None:
@@ -116,19 +101,23 @@ def test_a_folder_of_slices_is_segmented_and_drawn(open_page: OpenPage, api: htt
     assert job["state"] == "succeeded", job["error"]
     wait_for_pictures(page)
     page.get_by_text("Axial", exact=True).click()
-    page.wait_for_timeout(1000)
-    pixels = picture(page.get_by_test_id("volume"))
-    height, width = pixels.shape[:2]
+    canvas = page.get_by_test_id("volume")
+    height, width = picture(canvas).shape[:2]
     scale = min(width / shape[0], height / shape[1])
     middle = np.array(
         [height / 2 + scale * (shape[1] / 2 - center[1] - 0.5), width / 2 + scale * (shape[0] / 2 - center[0] - 0.5)]
     )
     reach = scale * radius
     expected = np.stack([middle - reach, middle + reach], axis=1)
-    np.testing.assert_allclose(box(tumor_colored(pixels)), expected, atol=1.5 * scale)
-    # beside the ball the slices are nearly black, and beside the slices there is nothing
-    columns = np.mean(pixels.max(axis=2) > 3, axis=0) > 0.5
-    assert columns.sum() == pytest.approx(scale * shape[0], abs=2 * scale)
+
+    def check() -> None:
+        pixels = picture(canvas)
+        np.testing.assert_allclose(box(tumor_colored(pixels)), expected, atol=1.5 * scale)
+        # beside the ball the slices are nearly black, and beside the slices there is nothing
+        columns = np.mean(pixels.max(axis=2) > 3, axis=0) > 0.5
+        assert columns.sum() == pytest.approx(scale * shape[0], abs=2 * scale)
+
+    eventually(check)
 
 
 def test_finds_what_is_there(segmented: dict[str, Any], phantom: Path) -> None:
@@ -144,55 +133,29 @@ def test_labels_lie_over_the_tumor(open_page: OpenPage, segmented: dict[str, Any
     page = open_page(f"/jobs/{segmented['id']}")
     wait_for_pictures(page)
     centroid = segmented["result"]["objects"][0]["centroid"]
-    np.testing.assert_allclose(crosshair(page), centroid, atol=0.06)
-    for view, across, up in (("Axial", 0, 1), ("Coronal", 0, 2), ("Sagittal", 1, 2)):
+    canvas = page.get_by_test_id("volume")
+    eventually(lambda: np.testing.assert_allclose(crosshair(page), centroid, atol=0.06))
+    for view, *axes in (("Axial", 0, 1), ("Coronal", 0, 2), ("Sagittal", 1, 2)):
         page.get_by_text(view, exact=True).click()
-        page.wait_for_timeout(1000)
-        check_slice(picture(page.get_by_test_id("volume")), labels, centroid, across, up)
+        eventually(lambda axes=axes: check_slice(picture(canvas), labels, centroid, *axes))
 
-    page.get_by_test_id("volume").focus()
+    canvas.focus()
     page.keyboard.press("ArrowRight")  # from between the voxels to the next one's center
+    page.evaluate("new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)))")
+    at = np.array(crosshair(page))
     for key, step in {"ArrowRight": (-1, 0, 0), "ArrowUp": (0, 1, 0), "PageDown": (0, 0, -1)}.items():
-        before = np.array(crosshair(page))
+        at = at + np.array(step) * labels.spacing
         page.keyboard.press(key)
-        page.wait_for_timeout(300)
-        np.testing.assert_allclose(np.array(crosshair(page)) - before, np.array(step) * labels.spacing, atol=0.11)
-
-
-def crosshair(page: Any) -> list[float]:
-    """Where the crosshair is, RAS mm, as the page tells it."""
-    signs = {"R": 1, "L": -1, "A": 1, "P": -1, "S": 1, "I": -1}
-    found = re.findall(r"([RLAPSI])\s(\d+\.\d)", page.get_by_test_id("place").text_content())
-    return [signs[side] * float(value) for side, value in found]
-
-
-def check_slice(pixels: NDArray[np.uint8], labels: Volume, point: list[float], across: int, up: int) -> None:
-    """Compare colored pixels with the labels of the slice through `point`, the patient's left on the right."""
-    # The phantom's axes are R, A and S with one spacing, so the slice fills the canvas at one scale.
-    assert np.array_equal(labels.affine[:3, :3], np.eye(3) * labels.spacing[0])
-    through = 3 - across - up
-    index = round(labels.to_index(point)[through])
-    there = np.nonzero(np.take(labels.data, index, axis=through))
-    (height, width), extent = pixels.shape[:2], np.array(labels.shape)[[across, up]]
-    scale = min(width / extent[0], height / extent[1])
-    towards_right = -1 if across == 0 else 1
-    ends = [extent[0] / 2 - there[0].min(), extent[0] / 2 - there[0].max() - 1]
-    sides = sorted(width / 2 - towards_right * scale * np.array(ends))
-    levels = [height / 2 + scale * (extent[1] / 2 - level) for level in (there[1].max() + 1, there[1].min())]
-    drawn = tumor_colored(pixels)
-    # The crosshair hides a little: a voxel at the tip, a line through the middle.
-    np.testing.assert_allclose(box(drawn), [levels, sides], atol=1.2 * scale)
-    assert drawn.sum() == pytest.approx(there[0].size * scale**2, rel=0.25)
+        eventually(lambda at=at: np.testing.assert_allclose(crosshair(page), at, atol=0.11))
+        at = np.array(crosshair(page))
 
 
 def test_the_surface_is_drawn_as_it_is(open_page: OpenPage, segmented: dict[str, Any], api: httpx.Client) -> None:
     """Its silhouette is that of the mesh, seen from the front, a little from the right and above."""
     page = open_page(f"/jobs/{segmented['id']}")
     wait_for_pictures(page)
-    keep_picture(page, "segmentation")
     canvas = page.get_by_test_id("surface")
-    pixels = picture(canvas)
-    height, width = pixels.shape[:2]
+    height, width = picture(canvas).shape[:2]
     points = np.concatenate(
         [
             vertices_of(api.get(f"/v1/jobs/{segmented['id']}/artifacts/{found['surface']}").content)
@@ -200,18 +163,25 @@ def test_the_surface_is_drawn_as_it_is(open_page: OpenPage, segmented: dict[str,
         ]
     )
     expected = silhouette(points, points, (height, width))
-    lit = tumor_colored(pixels)
-    np.testing.assert_allclose(box(lit), expected, atol=8)
 
+    def seen() -> NDArray[np.bool_]:
+        lit = tumor_colored(picture(canvas))
+        np.testing.assert_allclose(box(lit), expected, atol=8)
+        return lit
+
+    lit = eventually(seen)
+    keep_picture(page, "segmentation")
     canvas.focus()
     for _ in range(6):
         page.keyboard.press("ArrowLeft")
-    page.wait_for_timeout(500)
-    turned = tumor_colored(picture(canvas))
-    assert (turned != lit).sum() > 0.1 * lit.sum()
+    until(lambda: differing(canvas, lit) > 0.1 * lit.sum(), "it is turned")
     page.keyboard.press("Home")
-    page.wait_for_timeout(500)
-    assert (tumor_colored(picture(canvas)) != lit).sum() < 0.02 * lit.sum()
+    until(lambda: differing(canvas, lit) < 0.02 * lit.sum(), "it is seen as at first")
+
+
+def differing(canvas: Any, lit: NDArray[np.bool_]) -> int:
+    """In how many pixels what is colored has changed."""
+    return int((tumor_colored(picture(canvas)) != lit).sum())
 
 
 def test_viewers_are_as_new_on_the_next_page(open_page: OpenPage, segmented: dict[str, Any]) -> None:
@@ -222,14 +192,22 @@ def test_viewers_are_as_new_on_the_next_page(open_page: OpenPage, segmented: dic
     def pictures() -> list[NDArray[np.int_]]:
         return [picture(page.get_by_test_id(name)).astype(int) for name in ("volume", "surface")]
 
+    def at_rest() -> list[NDArray[np.int_]]:
+        before = pictures()
+        assert all(tumor_colored(one.astype(np.uint8)).any() for one in before)
+        page.wait_for_timeout(250)
+        assert same(before, pictures())
+        return before
+
     def same(one: list[NDArray[np.int_]], other: list[NDArray[np.int_]]) -> bool:
         return all(a.shape == b.shape and np.abs(a - b).mean() < 0.5 for a, b in zip(one, other, strict=True))
 
-    first = pictures()
+    first = eventually(at_rest)
     page.get_by_role("radiogroup", name="View").get_by_text("3D", exact=True).click()
-    page.wait_for_timeout(3000)
-    whole = picture(page.get_by_test_id("volume"))
-    assert tumor_colored(whole).sum() > 200  # the surface, through the volume
+    # the surface, through the volume, where the slices were
+    volume = page.get_by_test_id("volume")
+    until(lambda: np.abs(picture(volume).astype(int) - first[0]).mean() > 2, "the volume is seen as a whole")
+    until(lambda: tumor_colored(picture(volume)).sum() > 200, "the surface is seen in it")
     for name in ("volume", "surface"):
         page.get_by_test_id(name).focus()
         for key in ("ArrowLeft", "PageUp"):
@@ -247,7 +225,7 @@ def test_viewers_are_as_new_on_the_next_page(open_page: OpenPage, segmented: dic
     page.get_by_role("link", name="Jobs", exact=True).first.click()
     page.locator(f"tr[data-job='{segmented['id']}']").get_by_role("link").first.click()
     wait_for_pictures(page)
-    assert same(first, pictures())
+    until(lambda: same(first, pictures()), "it is as it was")
     assert page.evaluate("window.made") == 0
 
     # One that the driver has dropped is not lent again.
@@ -258,7 +236,7 @@ def test_viewers_are_as_new_on_the_next_page(open_page: OpenPage, segmented: dic
     lost = page.locator("section[aria-label=Volume][data-status=lost]")
     lost.get_by_role("button", name="Draw it again").click()
     wait_for_pictures(page)
-    assert same(first, pictures())
+    until(lambda: same(first, pictures()), "it is as it was")
 
 
 def test_how_it_grew_is_played_and_scrubbed(
@@ -274,47 +252,21 @@ def test_how_it_grew_is_played_and_scrubbed(
     viewer.get_by_text(f"{len(frames)} / {len(frames)}").wait_for()
     viewer.get_by_role("button", name="Play").wait_for()  # it has ended by itself
     canvas = page.get_by_test_id("surface")
-    page.wait_for_timeout(500)
     ends = {frame.object: frame.mesh.vertices for frame in frames}
     everything = np.concatenate(list(ends.values()))
-    whole = picture(canvas)
-    np.testing.assert_allclose(box(tumor_colored(whole)), silhouette(everything, everything, whole.shape), atol=8)
+    shape = picture(canvas).shape
+
+    def covers(points: NDArray[np.float64]) -> None:
+        expected = silhouette(points, everything, shape)
+        np.testing.assert_allclose(box(tumor_colored(picture(canvas))), expected, atol=8)
+
+    eventually(lambda: covers(everything))
     viewer.get_by_role("slider", name="Frame").press("Home")
     viewer.get_by_text(f"1 / {len(frames)}").wait_for()
-    page.wait_for_timeout(500)
-    first = tumor_colored(picture(canvas))
-    expected = silhouette(frames[0].mesh.vertices, everything, whole.shape)
-    np.testing.assert_allclose(box(first), expected, atol=8)
+    eventually(lambda: covers(frames[0].mesh.vertices))
     viewer.get_by_role("button", name="Watch how it grew").click()
-    page.wait_for_timeout(500)
-    assert tumor_colored(picture(canvas)).sum() > 500
-    assert viewer.get_by_role("slider", name="Frame").count() == 0
-
-
-def silhouette(points: NDArray[np.float64], looked_at: NDArray[np.float64], shape: tuple[int, ...]) -> NDArray[Any]:
-    """Where points are seen, as `box` tells it, when one looks at others from the front, a little from the right and
-    above."""
-    height, width = shape[:2]
-    low, high = looked_at.min(axis=0), looked_at.max(axis=0)
-    towards = np.array([0.45, 1.0, 0.4]) / np.linalg.norm([0.45, 1.0, 0.4])
-    half = np.radians(16)
-    distance = 1.1 * np.linalg.norm(high - low) / 2 / np.sin(half) / min(1, width / height)
-    right = np.cross(-towards, [0, 0, 1])
-    right /= np.linalg.norm(right)
-    above = np.cross(right, -towards)
-    seen = points - (low + high) / 2
-    depth = (distance - seen @ towards) * np.tan(half)
-    columns = width / 2 + seen @ right / depth * height / 2
-    rows = height / 2 - seen @ above / depth * height / 2
-    return np.array([[rows.min(), rows.max()], [columns.min(), columns.max()]])
-
-
-def vertices_of(ply: bytes) -> NDArray[np.float64]:
-    header, _, data = ply.partition(b"end_header\n")
-    assert b"format binary_little_endian" in header
-    assert re.findall(rb"property (\w+) [xyz]\n", header) == [b"double"] * 3
-    count = int(re.search(rb"element vertex (\d+)", header)[1])  # type: ignore[index]
-    return np.frombuffer(data, dtype="<f8", count=3 * count).reshape(-1, 3)
+    viewer.get_by_role("slider", name="Frame").wait_for(state="detached")
+    until(lambda: tumor_colored(picture(canvas)).sum() > 500, "the surface is seen again")
 
 
 def test_shows_what_was_measured_and_gives_the_files(
@@ -388,7 +340,7 @@ def test_a_file_that_cannot_be_fetched_is_told_and_fetched_again(
     page.unroute("**/artifacts/surfaces/**")
     told.get_by_role("button", name="Draw it again").click()
     wait_for_pictures(page)
-    assert tumor_colored(picture(page.get_by_test_id("surface"))).mean() > 0.01
+    until(lambda: tumor_colored(picture(page.get_by_test_id("surface"))).mean() > 0.01, "it is drawn after all")
 
 
 def test_a_mask_is_compared_and_drawn(
@@ -404,16 +356,17 @@ def test_a_mask_is_compared_and_drawn(
     wait_for_pictures(page)
 
     def green() -> int:
-        pixels = picture(page.get_by_test_id("volume")).astype(int)
+        pixels = picture(volume).astype(int)
         return int(((pixels[..., 1] > pixels[..., 0] + 40) & (pixels[..., 1] > pixels[..., 2] + 20)).sum())
 
+    volume = page.get_by_test_id("volume")
+    until(lambda: bool(tumor_colored(picture(volume)).any()), "the slices are drawn")
     before = green()
     page.get_by_role("combobox", name="Reference mask").click()
     page.get_by_role("option", name="drawn by hand.nii.gz").click()
-    shown = page.get_by_test_id("agreement").locator("dd").first.text_content()
+    shown = page.get_by_test_id("agreement").locator("dd").first.text_content()  # waits for it
     assert float(shown) == pytest.approx(iou, abs=0.0006)
-    page.wait_for_timeout(1500)
-    assert green() > before + 200
+    until(lambda: green() > before + 200, "the mask is drawn")
 
     found = segmented["result"]["objects"]
     files = [api.get(f"/v1/jobs/{segmented['id']}/artifacts/{item['surface']}").content for item in found]
@@ -424,31 +377,17 @@ def test_a_mask_is_compared_and_drawn(
     np.testing.assert_allclose(told, expected, atol=0.02)
     page.evaluate("scrollTo(0, 0)")
     keep_picture(page, "distances")
-    colored = tumor_colored(picture(page.get_by_test_id("surface")))
+    surface = page.get_by_test_id("surface")
+    colored = tumor_colored(picture(surface))
     page.get_by_role("button", name="Color by the distance to the mask").click()
-    page.wait_for_timeout(500)
-    plain = tumor_colored(picture(page.get_by_test_id("surface")))
-    assert (colored & plain).sum() < 0.5 * plain.sum()
-    assert page.get_by_test_id("distances").count() == 0
-
-
-def to_border(points: NDArray[np.float64], mask: Volume) -> NDArray[np.float64]:
-    """How far points are from the border of a mask, in mm, negative inside: the nearest voxel of the other side."""
-    inside = np.pad(mask.data > 0, 2)
-    at = mask.to_index(points) + 2
-    here = inside[tuple(np.rint(at).astype(int).T)]
-    found = np.empty(len(at))
-    for side in (False, True):
-        other = np.argwhere(ndimage.binary_dilation(inside == side) & (inside != side))
-        _, near = cKDTree(other * mask.spacing).query(at[here == side] * mask.spacing, k=40)
-        beyond = np.maximum(np.abs(at[here == side][:, None] - other[near]) - 0.5, 0) * mask.spacing
-        found[here == side] = np.linalg.norm(beyond, axis=2).min(axis=1) * (-1 if side else 1)
-    return found
+    page.get_by_test_id("distances").wait_for(state="detached")
+    until(lambda: (plain := tumor_colored(picture(surface))).sum() > 2 * (colored & plain).sum(), "it is plain again")
 
 
 def test_a_seed_is_placed_and_run(open_page: OpenPage, segmented: dict[str, Any], api: httpx.Client) -> None:
     page = open_page(f"/jobs/{segmented['id']}")
     wait_for_pictures(page)
+    page.get_by_role("button", name="Seed here").wait_for()
     at = crosshair(page)
     page.get_by_role("button", name="Seed here").click()
     job = started(page, api, "Segment from this point")
@@ -463,9 +402,15 @@ def test_a_box_is_drawn_and_run(
     page = open_page(f"/jobs/{segmented['id']}")
     wait_for_pictures(page)
     page.get_by_text("Axial", exact=True).click()
-    page.wait_for_timeout(1000)
     canvas = page.get_by_test_id("volume")
-    (top, bottom), (left, right) = box(tumor_colored(picture(canvas)))
+    centroid = segmented["result"]["objects"][0]["centroid"]
+
+    def axial() -> NDArray[np.float64]:
+        pixels = picture(canvas)
+        check_slice(pixels, labels, centroid, 0, 1)
+        return box(tumor_colored(pixels))
+
+    (top, bottom), (left, right) = eventually(axial)
     page.get_by_role("button", name="Draw a box").click()
     place = canvas.bounding_box()
     x, y = place["x"], place["y"]
@@ -487,7 +432,6 @@ def test_a_box_is_drawn_and_run(
     job = started(page, api, "Segment what is in the box")
     assert job["params"]["mode"] == "object"
     assert job["inputs"] == {"post": segmented["inputs"]["post"]}
-    centroid = segmented["result"]["objects"][0]["centroid"]
     slice_ = np.isin(labels.data[:, :, round(labels.to_index(centroid)[2])], [1, 2])
     inside = np.argwhere(slice_) * labels.spacing[:2] + labels.affine[:2, 3]
     half = labels.spacing[0] / 2

@@ -16,7 +16,7 @@ from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.mesh_io import write_mesh
 from tests.e2e.dashboard.conftest import OpenPage
 from tests.e2e.dashboard.test_accessibility import AXE, overflow, serious
-from tests.support.browser import keep_picture, picture, until
+from tests.support.browser import eventually, keep_picture, picture, until
 from tests.unit.retrieval.conftest import cylinder, egg, torus
 
 pytestmark = [pytest.mark.server, pytest.mark.browser, pytest.mark.slow]
@@ -76,7 +76,7 @@ def wait_for_picture(page: Any, name: str) -> NDArray[np.uint8]:
     canvas = page.get_by_test_id(name)
     canvas.wait_for(timeout=WORK)
     before = picture(canvas)
-    for _ in range(40):
+    for _ in range(120):
         page.wait_for_timeout(250)
         now = picture(canvas)
         if drawn(now).any() and np.array_equal(now, before):
@@ -164,12 +164,12 @@ def test_a_shape_is_shown_with_its_parts_and_its_graph(
 ) -> None:
     page = open_page(f"/shapes/{bank['torus']}")
     page.get_by_text("32 parts").click()
+    until(lambda: len(hues(picture(page.get_by_test_id("shape")))) >= 5, "the parts are colored")
     colored = wait_for_picture(page, "shape")
-    assert len(hues(colored)) >= 5
     page.get_by_text("Plain").click()
     page.mouse.move(0, 0)
+    until(lambda: hues(picture(page.get_by_test_id("shape"))) == set(), "the parts have no colors")
     plain = wait_for_picture(page, "shape")
-    assert hues(plain) == set()
     # the same silhouette, which fills the view; a ring has a hole
     assert np.mean(drawn(plain) != drawn(colored)) < 0.002
     rows = np.flatnonzero(drawn(plain).any(axis=1))
@@ -181,10 +181,10 @@ def test_a_shape_is_shown_with_its_parts_and_its_graph(
     page.get_by_text("16 parts").click()
     page.get_by_role("button", name="Draw the graph of the parts").click()
     page.mouse.move(0, 0)
+    shape = page.get_by_test_id("shape")
+    until(lambda: (picture(shape).min(axis=2) > 225).sum() > 50, "the whole's node is drawn")
     graph = wait_for_picture(page, "shape")
     keep_picture(page, "shape")
-    white = (graph.min(axis=2) > 225).sum()
-    assert white > 50  # the whole's node
     gold = (graph[..., 0] > 190) & (graph[..., 2] < graph[..., 0] * 0.62) & (graph[..., 1] > graph[..., 2])
     assert gold.sum() > 300  # what ties neighbours
 
@@ -207,16 +207,22 @@ def test_what_is_like_a_shape_is_shown_beside_it(open_page: OpenPage, bank: dict
     page.get_by_role("link", name="Find similar").click()
     page.wait_for_url("**/shapes/search?shape=*")
     assert hits(page)[0] == "egg turned"
-    query, found = wait_for_picture(page, "query"), wait_for_picture(page, "found")
+
+    def alike() -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+        query, found = wait_for_picture(page, "query"), wait_for_picture(page, "found")
+        assert len(hues(query) & hues(found)) >= 3
+        assert np.mean(drawn(query) != drawn(found)) < 0.06
+        return query, found
+
     # matched parts have the same colors; both lie in their principal frames, so that they look alike
-    assert len(hues(query) & hues(found)) >= 3
-    assert np.mean(drawn(query) != drawn(found)) < 0.06
+    _, found = eventually(alike)
     keep_picture(page, "search")
     # who turns one turns both
     page.get_by_test_id("query").focus()
     for _ in range(8):
         page.keyboard.press("ArrowDown")
-    assert np.mean(drawn(wait_for_picture(page, "found")) != drawn(found)) > 0.01
+    canvas = page.get_by_test_id("found")
+    until(lambda: np.mean(drawn(picture(canvas)) != drawn(found)) > 0.01, "the other one turns, too")
     page.reload()
     assert hits(page)[0] == "egg turned"
     # another hit, and on from there
@@ -237,12 +243,17 @@ def test_a_file_is_searched_with(open_page: OpenPage, bank: dict[str, str], tmp_
     page.wait_for_url("**/shapes/search?asset=*")
     assert set(hits(page)[:2]) == {"torus", "torus turned"}
     page.get_by_role("heading", name="Like found ring.stl").wait_for()
-    assert len(hues(wait_for_picture(page, "query")) & hues(wait_for_picture(page, "found"))) >= 3
+    query, found = (page.get_by_test_id(name) for name in ("query", "found"))
+    until(lambda: len(hues(picture(query)) & hues(picture(found))) >= 3, "what was matched has the same colors")
     jobs = len(api.get("/v1/jobs", params={"kind": "shape-search"}).json()["items"])
     page.reload()
     assert set(hits(page)[:2]) == {"torus", "torus turned"}
     assert len(api.get("/v1/jobs", params={"kind": "shape-search"}).json()["items"]) == jobs  # nothing ran again
     assert len(api.get("/v1/shapes", params={"limit": 200}).json()["items"]) == before
+
+
+def orange(pixels: NDArray[np.uint8]) -> NDArray[np.bool_]:
+    return np.asarray((pixels[..., 0].astype(int) - pixels[..., 2]) > 70)
 
 
 def test_a_painted_region_is_searched_with(open_page: OpenPage, bank: dict[str, str]) -> None:
@@ -258,21 +269,25 @@ def test_a_painted_region_is_searched_with(open_page: OpenPage, bank: dict[str, 
     page.mouse.up()
     told = page.get_by_test_id("painted")
     until(lambda: "of the area painted" in told.text_content(), "the share is told")
+    until(lambda: orange(picture(page.get_by_test_id("shape"))).any(), "the paint is seen")
     painted = wait_for_picture(page, "shape")
     assert np.mean(drawn(painted) != drawn(before)) < 0.002  # it was painted, not turned
-    orange = (painted[..., 0].astype(int) - painted[..., 2]) > 70
-    assert 0.02 < orange.sum() / drawn(painted).sum() < 0.7
+    assert 0.02 < orange(painted).sum() / drawn(painted).sum() < 0.7
     share = int(re.match(r"(\d+)", told.text_content())[1])  # type: ignore[index]
     assert 1 <= share <= 50
     page.get_by_role("link", name="Find this region").click()
     page.wait_for_url("**/shapes/search?*parts=*")
     assert hits(page)[0] == "egg turned"
     page.get_by_text(re.compile("by a region of")).wait_for()
+
     # what was matched has color, the rest has none
-    for name in ("query", "found"):
+    def check(name: str) -> None:
         pixels = wait_for_picture(page, name)
         vivid = (pixels.max(axis=2).astype(int) - pixels.min(axis=2)) > 60
         assert 0.01 < vivid.sum() / drawn(pixels).sum() < 0.8, name
+
+    for name in ("query", "found"):
+        eventually(lambda name=name: check(name))
 
 
 def test_ten_thousand_shapes_scroll(open_page: OpenPage, bank: dict[str, str], api: httpx.Client) -> None:

@@ -20,7 +20,7 @@ from shapery_geometry.volume import Volume
 from shapery_geometry.volume_io.nifti import write_nifti
 from tests.e2e.dashboard.conftest import OpenPage
 from tests.e2e.dashboard.test_accessibility import check_open_to_everyone
-from tests.support.browser import keep_picture, picture
+from tests.support.browser import eventually, keep_picture, picture, until
 from tests.support.embedded import Embedded
 from tests.support.proxy import Network, unreliable
 from tests.support.volumes import write_series
@@ -242,9 +242,7 @@ def test_files_are_seen_at_once(open_page: OpenPage, tmp_path: Path) -> None:
         assert not lit[:, [0, -1]].any()  # it stays in the picture
         return float(np.nonzero(lit)[1].mean())
 
-    page.wait_for_timeout(500)
-    before = middle()
+    before = eventually(middle)
     viewer.get_by_role("slider", name="Frame").press("End")
     viewer.get_by_test_id("frame").get_by_text("4 / 4").wait_for()
-    page.wait_for_timeout(500)
-    assert middle() > before + 100
+    until(lambda: middle() > before + 100, "the sequence has moved")

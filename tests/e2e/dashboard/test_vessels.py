@@ -8,12 +8,13 @@ from pathlib import Path
 import httpx
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from shapery_geometry.volume import Volume
 from shapery_geometry.volume_io.nifti import write_nifti
 from shapery_segmentation.phantoms import vessel_tree_phantom
 from tests.e2e.dashboard.conftest import OpenPage
-from tests.support.browser import picture, share_of
+from tests.support.browser import eventually, picture, share_of
 
 pytestmark = [pytest.mark.server, pytest.mark.browser, pytest.mark.slow]
 
@@ -53,8 +54,10 @@ def test_vessels_and_bleedings_are_told_and_drawn(open_page: OpenPage, api: http
     for name in ("Volume", "Surface"):
         page.locator(f"section[aria-label={name}][data-status=ready]").wait_for()
     page.get_by_text("3D", exact=True).click()
-    page.wait_for_timeout(3000)
     for canvas in ("volume", "surface"):
-        pixels = picture(page.get_by_test_id(canvas))
-        for what, box in COLORS.items():
-            assert share_of(pixels, **box).sum() > 60, f"{what} in the {canvas}'s picture"
+        eventually(lambda canvas=canvas: check_colors(picture(page.get_by_test_id(canvas)), canvas))
+
+
+def check_colors(pixels: NDArray[np.uint8], canvas: str) -> None:
+    for what, box in COLORS.items():
+        assert share_of(pixels, **box).sum() > 60, f"{what} in the {canvas}'s picture"
