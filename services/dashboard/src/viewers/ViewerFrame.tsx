@@ -1,11 +1,12 @@
-import { Alert, Button, Center, Progress, Stack, Text } from "@mantine/core";
+import { Alert, Button, Center, Loader, Progress, Stack, Text } from "@mantine/core";
 import { MonitorX, RotateCw } from "lucide-react";
 import type { ReactNode } from "react";
 import { describe } from "@/api/problem";
 import classes from "./viewers.module.css";
 
 export type ViewerStatus =
-  | { is: "loading"; fraction: number; what: string }
+  /** `fraction` of what it waits for is here; null where nobody knows. */
+  | { is: "loading"; fraction: number | null; what: string }
   | { is: "ready" }
   | { is: "failed"; error: unknown }
   /** The graphics driver took the picture away. */
@@ -17,7 +18,7 @@ interface ViewerFrameProps {
   onRetry: () => void;
   /** Beside the title. */
   tools: ReactNode;
-  children: ReactNode;
+  children?: ReactNode;
 }
 
 /** Around a drawing: what it waits for, or why it is not there. */
@@ -36,7 +37,17 @@ export function ViewerFrame({ label, status, onRetry, tools, children }: ViewerF
               <Text size="sm" c="gray.4" ta="center">
                 {status.what}
               </Text>
-              <Progress value={status.fraction * 100} size="xs" aria-label={status.what} />
+              {status.fraction === null ? (
+                <Loader size="sm" type="dots" mx="auto" color="petrol.3" />
+              ) : (
+                <Progress
+                  value={status.fraction * 100}
+                  size="xs"
+                  color="petrol.3"
+                  bg="#ffffff30"
+                  aria-label={status.what}
+                />
+              )}
             </Stack>
           </Center>
         )}
@@ -56,6 +67,18 @@ export function ViewerFrame({ label, status, onRetry, tools, children }: ViewerF
         )}
       </div>
     </section>
+  );
+}
+
+/** In the place of a viewer whose program, or whose file, is still on its way. */
+export function ViewerComing({ label, what = "Loading the viewer…" }: { label: string; what?: string }) {
+  return (
+    <ViewerFrame
+      label={label}
+      status={{ is: "loading", fraction: null, what }}
+      tools={null}
+      onRetry={() => undefined}
+    />
   );
 }
 

@@ -1,16 +1,15 @@
-import { Alert, Paper, Stack, Title } from "@mantine/core";
+import { Paper, Stack, Title } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
-import { TriangleAlert } from "lucide-react";
 import { lazy, type ReactNode, Suspense, useMemo, useState } from "react";
+import { Warnings } from "@/app/Warnings";
 import { apiFetch } from "@/api/client";
 import type { components } from "@/api/schema";
 import type { Job } from "@/api/types";
 import { Facts } from "@/app/Facts";
-import { Waiting } from "@/app/Notice";
 import { calmed, createStore, type Store, useStore } from "@/app/store";
 import { Downloads } from "@/features/jobs/Downloads";
 import { bytes, integer, significant } from "@/format/format";
-import { NoWebGL } from "@/viewers/ViewerFrame";
+import { NoWebGL, ViewerComing } from "@/viewers/ViewerFrame";
 import { hasWebGL } from "@/viewers/webgl";
 import { Chart } from "./Chart";
 import { EncodeAgain } from "./EncodeAgain";
@@ -45,17 +44,13 @@ export default function MotionView({ job, result, facts }: { job: Job; result: M
     .sort((one, two) => one.kg - two.kg);
   return (
     <Stack gap="md">
-      {result.warnings.map((warning) => (
-        <Alert key={warning} color="yellow" variant="light" icon={<TriangleAlert size={18} />}>
-          {warning}
-        </Alert>
-      ))}
+      <Warnings of={result.warnings} />
       {!hasWebGL() ? (
         <NoWebGL />
       ) : (
         file && (
           <div className={classes.viewer}>
-            <Suspense fallback={<Waiting label="Loading the player…" />}>
+            <Suspense fallback={<ViewerComing label="Motion" what="Loading the player…" />}>
               <MotionViewer
                 url={file.url}
                 size={file.size}

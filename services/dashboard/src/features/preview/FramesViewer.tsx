@@ -1,5 +1,5 @@
 import { Maximize } from "lucide-react";
-import { useEffect, useRef, useState } from "react";
+import { useRef, useState } from "react";
 import { createStore } from "@/app/store";
 import { ballOf, spread } from "@/features/motion/reach";
 import { download } from "@/viewers/download";
@@ -7,7 +7,8 @@ import { MotionCanvas } from "@/viewers/motion/MotionCanvas";
 import { StoredControls } from "@/viewers/play/PlayControls";
 import { usePlay } from "@/viewers/play/usePlay";
 import { Tool } from "@/viewers/Tool";
-import { ViewerFrame, type ViewerStatus } from "@/viewers/ViewerFrame";
+import { useDrawing } from "@/viewers/useDrawing";
+import { ViewerFrame } from "@/viewers/ViewerFrame";
 import frame from "@/viewers/viewers.module.css";
 import type { Sequence } from "./sequence";
 
@@ -24,74 +25,56 @@ const SAMPLED = 8;
 
 /** A mesh, or a sequence of meshes that plays, as it was uploaded. */
 export default function FramesViewer({ url, size, kind, format }: FramesViewerProps) {
-  const parent = useRef<HTMLDivElement>(null);
-  const viewer = useRef<{ canvas: MotionCanvas; sequence: Sequence } | null>(null);
-  const [status, setStatus] = useState<ViewerStatus>({ is: "loading", fraction: 0, what: "Loading the mesh…" });
-  const [attempt, setAttempt] = useState(0);
-  const [count, setCount] = useState(1);
   const [playing, setPlaying] = useState(false);
   const [shown] = useState(() => createStore(0));
   const busy = useRef(false);
 
-  useEffect(() => {
-    const element = parent.current;
-    if (!element) return;
-    const controller = new AbortController();
-    let canvas: MotionCanvas | null = null;
-    const load = async () => {
-      const progress = (fraction: number) => setStatus({ is: "loading", fraction, what: "Loading the mesh…" });
-      progress(0);
-      const content = await download(url, size, progress, controller.signal);
+  const what = "Loading the mesh…";
+  const { parent, status, drawing, retry } = useDrawing(
+    `${url} ${kind} ${format}`,
+    what,
+    async ({ element, signal, tell, fail, onLost, keep }) => {
+      const content = await download(url, size, (fraction) => tell(what, fraction), signal);
       const sequence = await open(content, kind, format);
       const positions = await sequence.positions(0);
-      if (controller.signal.aborted) return;
-      canvas = new MotionCanvas(element, positions.length / 3, sequence.faces, () => setStatus({ is: "lost" }));
+      signal.throwIfAborted();
+      const canvas = keep(new MotionCanvas(element, positions.length / 3, sequence.faces, onLost));
       canvas.stage.tell("The mesh in 3D.", "mesh");
       const some = await Promise.all(spread(sequence.frames, SAMPLED).map((frame) => sequence.positions(frame)));
-      if (controller.signal.aborted) return;
+      signal.throwIfAborted();
       canvas.expect(some.map(ballOf));
       canvas.show(positions, null);
-      viewer.current = { canvas, sequence };
-      setCount(sequence.frames);
-      setStatus({ is: "ready" });
-    };
-    load().catch((error: unknown) => {
-      if (!controller.signal.aborted) setStatus({ is: "failed", error });
-    });
-    return () => {
-      controller.abort();
-      viewer.current = null;
-      canvas?.close();
-    };
-  }, [url, size, kind, format, attempt]);
+      return { canvas, sequence, signal, fail };
+    },
+  );
 
   const show = (index: number) => {
-    const shownBy = viewer.current;
-    if (!shownBy || busy.current) return false;
+    if (!drawing || busy.current) return false;
+    const { canvas, sequence, signal, fail } = drawing;
     busy.current = true;
-    shownBy.sequence
+    sequence
       .positions(index)
       .then((positions) => {
-        if (viewer.current !== shownBy) return;
-        shownBy.canvas.show(positions, null);
+        if (signal.aborted) return;
+        canvas.show(positions, null);
         shown.set(index);
       })
-      .catch((error: unknown) => setStatus({ is: "failed", error }))
+      .catch(fail)
       .finally(() => (busy.current = false));
     return true;
   };
-  const ready = status.is === "ready";
-  usePlay({ playing: playing && ready, count, fps: FPS, shown: shown.get, loop: true, onFrame: show });
+  const count = drawing?.sequence.frames ?? 1;
+  usePlay({ playing: playing && drawing !== null, count, fps: FPS, shown: shown.get, loop: true, onFrame: show });
 
   return (
     <ViewerFrame
       label={kind === "mesh" ? "Mesh" : "Sequence"}
       status={status}
-      onRetry={() => setAttempt((before) => before + 1)}
-      tools={<Tool label="Look at all of it" icon={Maximize} onClick={() => viewer.current?.canvas.look()} />}
+      onRetry={retry}
+      tools={<Tool label="Look at all of it" icon={Maximize} onClick={() => drawing?.canvas.look()} />}
     >
       <div ref={parent} className={frame.stage} />
-      {ready && count > 1 && (
+      {count > 1 && (
         <StoredControls count={count} frame={shown} playing={playing} onPlaying={setPlaying} onFrame={show} />
       )}
     </ViewerFrame>

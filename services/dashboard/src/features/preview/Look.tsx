@@ -3,8 +3,8 @@ import { Eye } from "lucide-react";
 import { lazy, Suspense, useState } from "react";
 import type { Asset } from "@/api/types";
 import { createStore } from "@/app/store";
-import { Failure, Waiting } from "@/app/Notice";
-import { NoWebGL } from "@/viewers/ViewerFrame";
+import { Failure } from "@/app/Notice";
+import { NoWebGL, ViewerComing } from "@/viewers/ViewerFrame";
 import { hasWebGL } from "@/viewers/webgl";
 import classes from "./preview.module.css";
 import { useDrawable } from "./useDrawable";
@@ -31,7 +31,7 @@ export function Look({ asset }: { asset: Asset }) {
       <Modal opened={open} onClose={() => setOpen(false)} title={asset.filename} size="60rem" centered>
         {hasWebGL() ? (
           <div className={classes.look}>
-            <Suspense fallback={<Waiting label="Loading the viewer…" />}>
+            <Suspense fallback={<ViewerComing label={asset.filename} />}>
               <Viewer asset={asset} />
             </Suspense>
           </div>
@@ -54,6 +54,6 @@ function Viewer({ asset }: { asset: Asset }) {
 function Volume({ asset }: { asset: Asset }) {
   const { file, error } = useDrawable(asset);
   if (error) return <Failure error={error} />;
-  if (!file) return <Waiting label="Reading the volume…" />;
+  if (!file) return <ViewerComing label={asset.filename} what="Reading the volume…" />;
   return <VolumeViewer image={file} labels={null} focus={null} />;
 }

@@ -1,22 +1,21 @@
 import { Center, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
-import { useEffect, useRef, useState } from "react";
+import { useEffect } from "react";
 import { apiFetch } from "@/api/client";
 import type { Job } from "@/api/types";
 import { LABELS } from "@/viewers/labels";
 import { type Frame, readEvolution } from "@/viewers/surface/evolution";
 import { SurfaceCanvas } from "@/viewers/surface/SurfaceCanvas";
+import { useDrawing } from "@/viewers/useDrawing";
 import { ViewerFrame, type ViewerStatus } from "@/viewers/ViewerFrame";
 import frame from "@/viewers/viewers.module.css";
 import { hasWebGL } from "@/viewers/webgl";
 import classes from "./segmentation.module.css";
 
+const NOTHING_YET: ViewerStatus = { is: "ready" };
+
 /** The surfaces of a segmentation that runs, as they are just now. */
 export default function LiveSurface({ job }: { job: Job }) {
-  const parent = useRef<HTMLDivElement>(null);
-  const viewer = useRef<SurfaceCanvas | null>(null);
-  const [status, setStatus] = useState<ViewerStatus>({ is: "ready" });
-  const [attempt, setAttempt] = useState(0);
   const preview = useQuery({
     queryKey: ["jobs", "preview", job.id, job.attempt, job.preview],
     enabled: job.preview > 0,
@@ -33,35 +32,22 @@ export default function LiveSurface({ job }: { job: Job }) {
   const frames = preview.data ?? null;
   const there = frames !== null;
 
-  useEffect(() => {
-    const element = parent.current;
-    if (!element || !there) return;
-    const canvas = new SurfaceCanvas(element, () => setStatus({ is: "lost" }));
+  const what = "Drawing…";
+  const { parent, status, drawing, retry } = useDrawing(there || null, what, ({ element, onLost, keep }) => {
+    const canvas = keep(new SurfaceCanvas(element, onLost));
     canvas.stage.tell("The surface as it grows, in 3D.", "live");
-    viewer.current = canvas;
-    return () => {
-      viewer.current = null;
-      canvas.close();
-    };
-  }, [there, attempt]);
+    return canvas;
+  });
   useEffect(() => {
-    if (!frames || !viewer.current) return;
-    viewer.current.grow(frames, LABELS[0].color);
-    viewer.current.follow();
-  }, [frames, attempt]);
+    if (!frames || !drawing) return;
+    drawing.grow(frames, LABELS[0].color);
+    drawing.follow();
+  }, [frames, drawing]);
 
   if (!hasWebGL()) return null;
   return (
     <div className={classes.live}>
-      <ViewerFrame
-        label="As it grows"
-        status={status}
-        tools={null}
-        onRetry={() => {
-          setStatus({ is: "ready" });
-          setAttempt((before) => before + 1);
-        }}
-      >
+      <ViewerFrame label="As it grows" status={there ? status : NOTHING_YET} tools={null} onRetry={retry}>
         <div ref={parent} className={frame.stage} />
         {!there && (
           <Center h="100%" p="lg">

@@ -1,16 +1,17 @@
-import { Alert, Group, Paper, Stack, Text, Title } from "@mantine/core";
-import { SearchX, TriangleAlert } from "lucide-react";
+import { Group, Paper, Stack, Text, Title } from "@mantine/core";
+import { SearchX } from "lucide-react";
 import { lazy, type ReactNode, Suspense, useMemo, useState } from "react";
+import { Warnings } from "@/app/Warnings";
 import { describe } from "@/api/problem";
 import type { Artifact, Asset, Job } from "@/api/types";
-import { Empty, Waiting } from "@/app/Notice";
+import { Empty } from "@/app/Notice";
 import { ComparePanel } from "@/features/compare/ComparePanel";
 import { distancesTo } from "@/features/compare/distances";
 import { Downloads } from "@/features/jobs/Downloads";
 import { useDrawable } from "@/features/preview/useDrawable";
 import { labelNames, LABELS } from "@/viewers/labels";
 import type { Box } from "@/viewers/volume/box";
-import { NoWebGL } from "@/viewers/ViewerFrame";
+import { NoWebGL, ViewerComing } from "@/viewers/ViewerFrame";
 import { hasWebGL } from "@/viewers/webgl";
 import { Alignments } from "./Alignments";
 import { BleedingTable } from "./BleedingTable";
@@ -77,18 +78,14 @@ export default function SegmentationView({ job, result, post, facts }: Segmentat
 
   return (
     <Stack gap="md">
-      {result.warnings?.map((warning) => (
-        <Alert key={warning} color="yellow" variant="light" icon={<TriangleAlert size={18} />}>
-          {warning}
-        </Alert>
-      ))}
+      <Warnings of={result.warnings} />
       {!hasWebGL() ? (
         <NoWebGL />
       ) : (
         <div className={classes.viewers}>
-          {labels && waits && <Waiting label="Reading the volume…" />}
+          {labels && waits && <ViewerComing label="Volume" what="Reading the volume…" />}
           {labels && !waits && (
-            <Suspense fallback={<Waiting label="Loading the viewer…" />}>
+            <Suspense fallback={<ViewerComing label="Volume" />}>
               <VolumeViewer
                 image={volume.file ?? { url: labels.url, name: "labels.nii.gz", size: labels.size }}
                 labels={{ url: labels.url, name: "labels.nii.gz", size: labels.size }}
@@ -104,7 +101,7 @@ export default function SegmentationView({ job, result, post, facts }: Segmentat
             </Suspense>
           )}
           {surfaces.length > 0 && (
-            <Suspense fallback={<Waiting label="Loading the viewer…" />}>
+            <Suspense fallback={<ViewerComing label="Surface" />}>
               <SurfaceViewer
                 surfaces={surfaces}
                 chosen={surfaces.length > 1 ? chosen : null}

@@ -1,6 +1,6 @@
 import type { Artifact } from "@/api/types";
 import { LABELS } from "@/viewers/labels";
-import type { SurfaceFile } from "@/viewers/surface/SurfaceViewer";
+import type { SurfaceFile } from "@/viewers/surface/surfaceFile";
 import type { SegmentedObject } from "./params";
 
 const [TUMOR, , VESSEL, BLEEDING] = LABELS;

@@ -4,12 +4,11 @@ import { Brush as BrushIcon, ExternalLink } from "lucide-react";
 import { lazy, Suspense, useMemo, useState } from "react";
 import type { SearchHit } from "@/api/types";
 import { LinkButton } from "@/app/links";
-import { Waiting } from "@/app/Notice";
 import { matchedColors, PAINT, type Rgb, UNMATCHED } from "@/viewers/shape/colors";
 import { modelQuery } from "@/viewers/shape/model";
 import { ViewLink } from "@/viewers/shape/ViewLink";
 import { Tool } from "@/viewers/Tool";
-import { NoWebGL } from "@/viewers/ViewerFrame";
+import { NoWebGL, ViewerComing } from "@/viewers/ViewerFrame";
 import { hasWebGL } from "@/viewers/webgl";
 import { colorLevel, colorParts, facesOf } from "./coloring";
 import { best } from "./HitList";
@@ -71,7 +70,14 @@ export function PairView({ name, files, hit, parts, address }: PairViewProps) {
     <Stack gap="md" style={{ minWidth: 0 }}>
       {hasWebGL() ? (
         <div className={classes.pair}>
-          <Suspense fallback={<Waiting label="Loading the viewer…" />}>
+          <Suspense
+            fallback={
+              <>
+                {files && <ViewerComing label={name} />}
+                {hit && <ViewerComing label={hit.shape.name} />}
+              </>
+            }
+          >
             {files && (
               <ShapeViewer
                 label={name}

@@ -1,8 +1,9 @@
-import { Alert, Button, Group, Paper, Progress, Stack, Text } from "@mantine/core";
+import { Button, Group, Paper, Progress, Stack, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, useNavigate } from "@tanstack/react-router";
-import { RotateCw, SearchX, TriangleAlert } from "lucide-react";
+import { RotateCw, SearchX } from "lucide-react";
 import { useState } from "react";
+import { Warnings } from "@/app/Warnings";
 import { ApiError } from "@/api/problem";
 import { assetQuery } from "@/api/queries";
 import { requestOf, searchJobQuery, searchQuery } from "@/api/search";
@@ -105,11 +106,7 @@ function Searching({ address }: { address: SearchAddress }) {
           address={address}
           onChange={(change) => void navigate({ search: { ...address, ...change }, replace: true })}
         />
-        {answer?.warnings?.map((warning) => (
-          <Alert key={warning} color="yellow" variant="light" icon={<TriangleAlert size={18} />}>
-            {warning}
-          </Alert>
-        ))}
+        <Warnings of={answer?.warnings} />
         {error ? (
           shape.data?.outdated ? (
             <ReindexNotice shape={shape.data} />

@@ -1,13 +1,13 @@
-import { Alert, Button, Group, Stack } from "@mantine/core";
+import { Button, Group, Stack } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, useNavigate } from "@tanstack/react-router";
-import { Brush as BrushIcon, ScanSearch, Trash2, TriangleAlert } from "lucide-react";
+import { Brush as BrushIcon, ScanSearch, Trash2 } from "lucide-react";
 import { lazy, Suspense, useMemo, useState } from "react";
+import { Warnings } from "@/app/Warnings";
 import { requestOf } from "@/api/search";
 import { shapeQuery, useDeleteShape } from "@/api/shapes";
 import type { ShapeDetail } from "@/api/types";
 import { LinkAnchor, LinkButton } from "@/app/links";
-import { Waiting } from "@/app/Notice";
 import { One } from "@/app/One";
 import { Page } from "@/app/Page";
 import { say, sayFailure } from "@/app/say";
@@ -18,7 +18,7 @@ import { searchSnippets } from "@/features/snippets/snippets";
 import { ago, moment } from "@/format/format";
 import { graphOf } from "@/viewers/shape/graph";
 import { modelQuery, type ShapeModel } from "@/viewers/shape/model";
-import { NoWebGL } from "@/viewers/ViewerFrame";
+import { NoWebGL, ViewerComing } from "@/viewers/ViewerFrame";
 import { hasWebGL } from "@/viewers/webgl";
 import { colorLevel } from "./coloring";
 import { PaintPanel } from "./PaintPanel";
@@ -84,11 +84,7 @@ function LoadedShape({ shape }: { shape: ShapeDetail }) {
     >
       <Stack gap="md">
         {shape.outdated && <ReindexNotice shape={shape} />}
-        {shape.warnings.map((warning) => (
-          <Alert key={warning} color="yellow" variant="light" icon={<TriangleAlert size={18} />}>
-            {warning}
-          </Alert>
-        ))}
+        <Warnings of={shape.warnings} />
         <div className={classes.columns}>
           <Stack gap="md" style={{ minWidth: 0 }}>
             {hasWebGL() ? (
@@ -127,7 +123,7 @@ function View({ shape }: { shape: ShapeDetail }) {
   return (
     <>
       <div className={classes.view}>
-        <Suspense fallback={<Waiting label="Loading the viewer…" />}>
+        <Suspense fallback={<ViewerComing label={shape.name || "Shape"} />}>
           <ShapeViewer
             label={shape.name || "Shape"}
             model={model}

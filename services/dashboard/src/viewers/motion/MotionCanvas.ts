@@ -2,8 +2,10 @@ import { BufferAttribute, BufferGeometry, Color, Mesh, MeshBasicMaterial, Sphere
 import { type Ball, ballOf } from "@/features/motion/reach";
 import { Stage } from "../stage/Stage";
 import type { SurfaceMesh } from "../surface/readSurface";
+import { drawsBySoftware } from "../webgl";
 import { errorColor } from "./errorColors";
 import { FacetedMaterial } from "./faceted";
+import { isSolid } from "./solid";
 
 const PLAIN = new Color("#8fc9c4");
 const ORIGINAL = new Color("#d8c7a6");
@@ -32,6 +34,7 @@ export class MotionCanvas {
   #coloring: Coloring = "plain";
   /** Around the mesh in some frames: what one looks at. */
   readonly #spheres: Sphere[] = [];
+  #first = true;
   /** Whether somebody has moved the camera since one looked. */
   #moved = false;
 
@@ -61,6 +64,10 @@ export class MotionCanvas {
 
   /** Show a frame; `difference` is needed where the original or the error is shown. */
   show(positions: Float32Array, difference: Difference | null): void {
+    if (this.#first && drawsBySoftware() && isSolid(positions, this.mesh().faces)) {
+      for (const { material } of [this.#mesh, this.#original]) material.hideBacks();
+    }
+    this.#first = false;
     this.#positions.array.set(positions);
     this.#positions.needsUpdate = true;
     if (difference && this.#layout !== "decoded") {

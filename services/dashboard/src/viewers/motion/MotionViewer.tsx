@@ -4,7 +4,7 @@ import { Maximize } from "lucide-react";
 import { useEffect, useRef, useState } from "react";
 import type { Artifact } from "@/api/types";
 import type { Store } from "@/app/store";
-import { MotionPlayer, type Opened } from "@/features/motion/player";
+import { MotionPlayer } from "@/features/motion/player";
 import { readResiduals, type Residuals, typicalError } from "@/features/motion/residuals";
 import { significant } from "@/format/format";
 import { download } from "../download";
@@ -12,7 +12,8 @@ import { StoredControls } from "../play/PlayControls";
 import { usePlay } from "../play/usePlay";
 import { SaveMesh } from "../SaveMesh";
 import { Tool } from "../Tool";
-import { ViewerFrame, type ViewerStatus } from "../ViewerFrame";
+import { useDrawing } from "../useDrawing";
+import { ViewerFrame } from "../ViewerFrame";
 import frame from "../viewers.module.css";
 import classes from "./motion.module.css";
 import { ERROR_GRADIENT } from "./errorColors";
@@ -52,11 +53,6 @@ function differenceOf(residuals: Residuals | null, typical: number, index: numbe
 
 /** A compressed motion, decoded in the browser while it plays. */
 export function MotionViewer({ url, size, residuals, unit, frame: shown }: MotionViewerProps) {
-  const parent = useRef<HTMLDivElement>(null);
-  const viewer = useRef<{ canvas: MotionCanvas; player: MotionPlayer; opened: Opened } | null>(null);
-  const [status, setStatus] = useState<ViewerStatus>({ is: "loading", fraction: 0, what: "Loading the motion…" });
-  const [attempt, setAttempt] = useState(0);
-  const [opened, setOpened] = useState<Opened | null>(null);
   const [playing, setPlaying] = useState(false);
   const [layout, setLayout] = useState<Layout>("decoded");
   const [coloring, setColoring] = useState<Coloring>("plain");
@@ -75,81 +71,66 @@ export function MotionViewer({ url, size, residuals, unit, frame: shown }: Motio
   });
   const differs = useRef<{ residuals: Residuals; typical: number } | null>(null);
 
-  useEffect(() => {
-    const element = parent.current;
-    if (!element) return;
-    const controller = new AbortController();
-    let canvas: MotionCanvas | null = null;
-    const fail = (error: unknown) => {
-      if (!controller.signal.aborted) setStatus({ is: "failed", error });
-    };
-    const player = new MotionPlayer((index, positions) => {
-      canvas?.show(positions, differenceOf(differs.current?.residuals ?? null, differs.current?.typical ?? 0, index));
-      shown.set(index);
-    });
-    const load = async () => {
-      const progress = (fraction: number) => setStatus({ is: "loading", fraction, what: "Loading the motion…" });
-      progress(0);
-      const content = await download(url, size, progress, controller.signal);
-      setStatus({ is: "loading", fraction: 1, what: "Decoding…" });
-      const motion = await player.open(content, fail);
-      if (controller.signal.aborted) return;
-      const { header, faces } = motion;
-      canvas = new MotionCanvas(element, header.vertices, faces, () => setStatus({ is: "lost" }));
+  const what = "Loading the motion…";
+  const { parent, status, drawing, retry } = useDrawing(
+    url,
+    what,
+    async ({ element, signal, tell, fail, onLost, keep }) => {
+      let canvas: MotionCanvas | null = null;
+      const onFrame = (index: number, positions: Float32Array) => {
+        const { residuals = null, typical = 0 } = differs.current ?? {};
+        canvas?.show(positions, differenceOf(residuals, typical, index));
+        shown.set(index);
+      };
+      const player = keep(new MotionPlayer(onFrame));
+      const content = await download(url, size, (fraction) => tell(what, fraction), signal);
+      tell("Decoding…", 1);
+      const opened = await player.open(content, fail);
+      signal.throwIfAborted();
+      canvas = keep(new MotionCanvas(element, opened.header.vertices, opened.faces, onLost));
       canvas.stage.tell("The motion in 3D.", "motion");
-      canvas.expect(motion.reach);
-      viewer.current = { canvas, player, opened: motion };
+      canvas.expect(opened.reach);
       player.want(0);
-      setOpened(motion);
-      setStatus({ is: "ready" });
-    };
-    load().catch(fail);
-    return () => {
-      controller.abort();
-      viewer.current = null;
-      player.close();
-      canvas?.close();
-    };
-  }, [url, size, attempt, shown]);
+      return { canvas, player, opened };
+    },
+  );
 
-  const ready = status.is === "ready";
+  const opened = drawing?.opened ?? null;
   const count = opened?.header.frames ?? 1;
   const fps = opened?.header.fps ? opened.header.fps : USUAL_FPS;
   // What needs the original is shown as soon as that is here.
   const known = before.data ?? null;
   const waits = needed && !known;
   useEffect(() => {
-    const shownBy = viewer.current;
-    if (!ready || !shownBy) return;
     differs.current = known;
-    shownBy.canvas.arrange(
+    if (!drawing) return;
+    drawing.canvas.arrange(
       waits ? "decoded" : layout,
       waits && coloring === "error" ? "plain" : coloring,
-      shownBy.opened.labels,
+      drawing.opened.labels,
     );
-    shownBy.player.want(shown.get());
-  }, [ready, layout, coloring, known, waits, shown]);
+    drawing.player.want(shown.get());
+  }, [drawing, layout, coloring, known, waits, shown]);
   const beside = layout === "beside";
   useEffect(() => {
-    if (ready) viewer.current?.canvas.look();
-  }, [ready, beside]);
+    drawing?.canvas.look();
+  }, [drawing, beside]);
 
   usePlay({
-    playing: playing && ready,
+    playing: playing && drawing !== null,
     count,
     fps,
     shown: shown.get,
     loop: true,
     onFrame: (index) => {
-      const player = viewer.current?.player;
-      if (!player || player.busy) return false;
-      player.want(index);
+      if (!drawing || drawing.player.busy) return false;
+      drawing.player.want(index);
       return true;
     },
   });
 
   const frameShown = () => {
-    const mesh = viewer.current?.canvas.mesh();
+    const mesh = drawing?.canvas.mesh();
     return mesh ? Promise.resolve(mesh) : Promise.reject(new Error("No frame is shown."));
   };
 
@@ -157,7 +138,7 @@ export function MotionViewer({ url, size, residuals, unit, frame: shown }: Motio
     <ViewerFrame
       label="Motion"
       status={status}
-      onRetry={() => setAttempt((before) => before + 1)}
+      onRetry={retry}
       tools={
         <>
           {residuals && (
@@ -177,28 +158,28 @@ export function MotionViewer({ url, size, residuals, unit, frame: shown }: Motio
             onChange={(value) => setColoring(value)}
           />
           <SaveMesh name="frame" mesh={frameShown} tool="Save this frame as a mesh" />
-          <Tool label="Look at all of it" icon={Maximize} onClick={() => viewer.current?.canvas.look()} />
+          <Tool label="Look at all of it" icon={Maximize} onClick={() => drawing?.canvas.look()} />
         </>
       }
     >
       <div ref={parent} className={frame.stage} />
-      {ready && needed && !known && (
+      {drawing && needed && !known && (
         <Text className={classes.note ?? ""} size="xs" role={before.isError ? "alert" : "status"}>
           {before.isError ? "The original could not be loaded." : "Loading the original…"}
         </Text>
       )}
-      {ready && !waits && beside && (
+      {drawing && !waits && beside && (
         <div className={classes.sides} aria-hidden="true">
           <span>Original</span>
           <span>Decoded</span>
         </div>
       )}
-      {ready && !waits && layout === "overlaid" && (
+      {drawing && !waits && layout === "overlaid" && (
         <div className={classes.key}>
           <i className={classes.wire} /> original, as lines
         </div>
       )}
-      {ready && known && coloring === "error" && (
+      {drawing && known && coloring === "error" && (
         <figure className={classes.legend} aria-label="Error by color">
           <figcaption>Distance from the original{unit && `, ${unit}`}</figcaption>
           <div className={classes.ramp} style={{ background: ERROR_GRADIENT }} />
@@ -209,13 +190,13 @@ export function MotionViewer({ url, size, residuals, unit, frame: shown }: Motio
           </div>
         </figure>
       )}
-      {ready && (
+      {drawing && (
         <StoredControls
           count={count}
           frame={shown}
           playing={playing}
           onPlaying={setPlaying}
-          onFrame={(index) => viewer.current?.player.want(index)}
+          onFrame={(index) => drawing?.player.want(index)}
         />
       )}
     </ViewerFrame>

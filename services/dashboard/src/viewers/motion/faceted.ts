@@ -1,4 +1,4 @@
-import { Color, DoubleSide, ShaderMaterial } from "three";
+import { Color, DoubleSide, FrontSide, ShaderMaterial } from "three";
 
 const VERTEX = /* glsl */ `
 #ifdef COLORED
@@ -41,6 +41,11 @@ void main() {
 export class FacetedMaterial extends ShaderMaterial {
   constructor(paint: Color) {
     super({ vertexShader: VERTEX, fragmentShader: FRAGMENT, side: DoubleSide, uniforms: { paint: { value: paint } } });
+  }
+
+  /** Leave out the faces that are turned away: nobody sees them where a mesh is closed. */
+  hideBacks(): void {
+    this.side = FrontSide;
   }
 
   /** Whether vertices have colors of their own, in the attribute `color`. */

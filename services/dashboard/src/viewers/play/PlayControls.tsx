@@ -48,6 +48,8 @@ export function PlayControls({ count, shown, playing, onPlaying, onFrame }: Play
         thumbLabel="Frame"
         label={null}
         size="sm"
+        color="petrol.3"
+        __vars={{ "--slider-track-bg": "#ffffff38" }} // on black, in both themes
         min={0}
         max={Math.max(count - 1, 1)}
         disabled={count < 2}

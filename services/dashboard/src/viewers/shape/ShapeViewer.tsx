@@ -1,7 +1,8 @@
 import type { UseQueryResult } from "@tanstack/react-query";
 import { Maximize } from "lucide-react";
-import { type ReactNode, useEffect, useEffectEvent, useRef, useState } from "react";
+import { type ReactNode, useEffect, useEffectEvent } from "react";
 import { Tool } from "../Tool";
+import { useDrawing } from "../useDrawing";
 import { ViewerFrame, type ViewerStatus } from "../ViewerFrame";
 import frame from "../viewers.module.css";
 import type { Graph } from "./graph";
@@ -26,6 +27,8 @@ interface ShapeViewerProps {
   testId?: string;
 }
 
+const WAITING = { is: "loading", fraction: null, what: "Loading the shape…" } as const;
+
 /** A shape in space, each face in its color, with its graph drawn over it. */
 export function ShapeViewer({
   label,
@@ -39,38 +42,17 @@ export function ShapeViewer({
   children,
   testId = "shape",
 }: ShapeViewerProps) {
-  const parent = useRef<HTMLDivElement>(null);
-  const [canvas, setCanvas] = useState<ShapeCanvas | null>(null);
-  const [broken, setBroken] = useState<"lost" | { error: unknown } | null>(null);
-  const [attempt, setAttempt] = useState(0);
   const surface = model.data?.surface;
   const paints = onPaint !== null;
 
-  useEffect(() => {
-    const element = parent.current;
-    if (!element || !surface) return;
-    let made: ShapeCanvas | null = null;
-    let closed = false;
-    const open = new Promise<ShapeCanvas>((resolve) =>
-      resolve(new ShapeCanvas(element, surface, link, () => setBroken("lost"))),
-    );
-    open.then(
-      (canvas) => {
-        if (closed) {
-          canvas.close();
-          return;
-        }
-        made = canvas;
-        setCanvas(canvas);
-      },
-      (error: unknown) => setBroken({ error }),
-    );
-    return () => {
-      closed = true;
-      setCanvas(null);
-      made?.close();
-    };
-  }, [surface, link, attempt]);
+  const {
+    parent,
+    status: drawn,
+    drawing: canvas,
+    retry,
+  } = useDrawing(surface ?? null, WAITING.what, ({ element, onLost, keep }) =>
+    surface ? keep(new ShapeCanvas(element, surface, link, onLost)) : null,
+  );
 
   useEffect(() => {
     canvas?.stage.tell(`${label} in 3D.`, testId);
@@ -89,23 +71,12 @@ export function ShapeViewer({
     canvas?.paintWith(paints ? (face, at) => paint(face, at) : null);
   }, [canvas, paints]);
 
-  const status: ViewerStatus =
-    broken === "lost"
-      ? { is: "lost" }
-      : (broken ?? (model.error && !model.data))
-        ? { is: "failed", error: broken?.error ?? model.error }
-        : canvas
-          ? { is: "ready" }
-          : { is: "loading", fraction: model.data ? 1 : 0.3, what: "Loading the shape…" };
+  const status: ViewerStatus = model.data ? drawn : model.error ? { is: "failed", error: model.error } : WAITING;
   return (
     <ViewerFrame
       label={label}
       status={status}
-      onRetry={() => {
-        setBroken(null);
-        setAttempt((before) => before + 1);
-        if (!model.data) void model.refetch();
-      }}
+      onRetry={model.data ? retry : () => void model.refetch()}
       tools={
         <>
           {tools}

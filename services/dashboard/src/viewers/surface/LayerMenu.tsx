@@ -1,6 +1,6 @@
 import { ActionIcon, Popover, Slider, Stack, Text, Tooltip } from "@mantine/core";
 import { Layers } from "lucide-react";
-import type { SurfaceFile } from "./SurfaceViewer";
+import type { SurfaceFile } from "./surfaceFile";
 
 /** Opacity by group, in [0, 1]; 1 where nothing is said. */
 export type Opacities = Readonly<Record<string, number>>;

@@ -133,13 +133,13 @@ export class SurfaceCanvas {
     this.#restyle();
   }
 
-  set edges(on: boolean) {
+  drawEdges(on: boolean): void {
     this.#edges = on;
     this.#restyle();
   }
 
   /** Bring one surface out by letting the others fade; null shows all alike. */
-  set chosen(id: number | null) {
+  choose(id: number | null): void {
     this.#chosen = id;
     this.#restyle();
   }

@@ -1,29 +1,19 @@
 import { Clapperboard, Grid3x3, Maximize, Ruler } from "lucide-react";
-import { useEffect, useEffectEvent, useRef, useState } from "react";
+import { useEffect, useEffectEvent, useState } from "react";
 import { sayFailure } from "@/app/say";
 import { download } from "../download";
 import { PlayControls } from "../play/PlayControls";
 import { usePlay } from "../play/usePlay";
 import { Tool } from "../Tool";
-import { ViewerFrame, type ViewerStatus } from "../ViewerFrame";
+import { useDrawing } from "../useDrawing";
+import { ViewerFrame } from "../ViewerFrame";
 import frame from "../viewers.module.css";
 import { type Frame, readEvolution, sceneAt } from "./evolution";
 import { DistanceLegend } from "./DistanceLegend";
 import { LayerMenu, type Opacities } from "./LayerMenu";
 import { distanceColors, type Spread, spreadOf } from "./scale";
 import { SurfaceCanvas } from "./SurfaceCanvas";
-
-export interface SurfaceFile {
-  id: number;
-  url: string;
-  size: number;
-  color: string;
-  /** The label of the voxels that it bounds. */
-  label: number;
-  /** What it belongs to; a group is shown, hidden and faded together. */
-  group: string;
-  title: string;
-}
+import type { SurfaceFile } from "./surfaceFile";
 
 interface SurfaceViewerProps {
   surfaces: readonly SurfaceFile[];
@@ -42,14 +32,6 @@ const FPS = 10;
  * edges, one color and opacity to each object, and the same code for the meshes of shapes and motions.
  */
 export function SurfaceViewer({ surfaces, chosen, evolution = null, measure = null }: SurfaceViewerProps) {
-  const parent = useRef<HTMLDivElement>(null);
-  const viewer = useRef<SurfaceCanvas | null>(null);
-  const [status, setStatus] = useState<ViewerStatus>({
-    is: "loading",
-    fraction: 0,
-    what: "Loading the surface…",
-  });
-  const [attempt, setAttempt] = useState(0);
   const [edges, setEdges] = useState(false);
   const [opacities, setOpacities] = useState<Opacities>({});
   const [replaying, setReplaying] = useState(false);
@@ -58,58 +40,43 @@ export function SurfaceViewer({ surfaces, chosen, evolution = null, measure = nu
   const [playing, setPlaying] = useState(false);
   const [distances, setDistances] = useState(true);
   const [spread, setSpread] = useState<Spread | null>(null);
-  const files = useEffectEvent(() => surfaces);
+  const what = "Loading the surface…";
   const key = surfaces.map(({ url }) => url).join(" ");
+  const {
+    parent,
+    status,
+    drawing: canvas,
+    retry,
+  } = useDrawing(key, what, async ({ element, signal, tell, onLost, keep }) => {
+    const canvas = keep(new SurfaceCanvas(element, onLost));
+    canvas.stage.tell("The surface in 3D.", "surface");
+    const total = surfaces.reduce((sum, { size }) => sum + size, 0) || 1;
+    let before = 0;
+    for (const { id, url, size, color } of surfaces) {
+      const progress = (fraction: number) => tell(what, (before + fraction * size) / total);
+      const content = await download(url, size, progress, signal);
+      signal.throwIfAborted();
+      canvas.add({ id, content, color });
+      before += size;
+    }
+    canvas.look();
+    return canvas;
+  });
 
   useEffect(() => {
-    const element = parent.current;
-    if (!element) return;
-    const controller = new AbortController();
-    let canvas: SurfaceCanvas | null = null;
-    const load = async () => {
-      const tell = (fraction: number) => setStatus({ is: "loading", fraction, what: "Loading the surface…" });
-      tell(0);
-      canvas = new SurfaceCanvas(element, () => setStatus({ is: "lost" }));
-      canvas.stage.tell("The surface in 3D.", "surface");
-      const wanted = files();
-      const total = wanted.reduce((sum, { size }) => sum + size, 0) || 1;
-      let before = 0;
-      for (const { id, url, size, color } of wanted) {
-        const progress = (fraction: number) => tell((before + fraction * size) / total);
-        const content = await download(url, size, progress, controller.signal);
-        if (controller.signal.aborted) return;
-        canvas.add({ id, content, color });
-        before += size;
-      }
-      viewer.current = canvas;
-      canvas.look();
-      setStatus({ is: "ready" });
-    };
-    load().catch((error: unknown) => {
-      if (!controller.signal.aborted) setStatus({ is: "failed", error });
-    });
-    return () => {
-      controller.abort();
-      viewer.current = null;
-      canvas?.close();
-    };
-  }, [key, attempt]);
-
-  const ready = status.is === "ready";
+    canvas?.drawEdges(edges);
+  }, [canvas, edges]);
   useEffect(() => {
-    if (ready && viewer.current) viewer.current.edges = edges;
-  }, [ready, edges]);
-  useEffect(() => {
-    if (!ready || !viewer.current) return;
-    viewer.current.chosen = chosen;
-    if (chosen !== null) viewer.current.look(chosen);
-  }, [ready, chosen]);
+    if (!canvas) return;
+    canvas.choose(chosen);
+    if (chosen !== null) canvas.look(chosen);
+  }, [canvas, chosen]);
 
   const groupOf = useEffectEvent(() => surfaces.map(({ id, group }) => [id, group] as const));
   useEffect(() => {
-    if (!ready || !viewer.current) return;
-    for (const [id, group] of groupOf()) viewer.current.fade(id, opacities[group] ?? 1);
-  }, [ready, opacities]);
+    if (!canvas) return;
+    for (const [id, group] of groupOf()) canvas.fade(id, opacities[group] ?? 1);
+  }, [canvas, opacities]);
 
   useEffect(() => {
     if (!replaying || frames.length > 0 || !evolution) return;
@@ -129,8 +96,7 @@ export function SurfaceViewer({ surfaces, chosen, evolution = null, measure = nu
   }, [replaying, frames, evolution]);
   const measured = useEffectEvent(() => surfaces.filter(({ label }) => label === 1).map(({ id }) => id));
   useEffect(() => {
-    const canvas = viewer.current;
-    if (!ready || !distances || !measure || !canvas) return;
+    if (!canvas || !distances || !measure) return;
     const controller = new AbortController();
     const ids = measured();
     measure(
@@ -151,23 +117,22 @@ export function SurfaceViewer({ surfaces, chosen, evolution = null, measure = nu
       for (const id of ids) canvas.tint(id, null);
       setSpread(null);
     };
-  }, [ready, distances, measure]);
-  const on = ready && replaying && frames.length > 0;
+  }, [canvas, distances, measure]);
+  const on = canvas !== null && replaying && frames.length > 0;
   const color = evolution?.color ?? "";
   useEffect(() => {
     // What grew is looked at as it is in the end; afterwards at everything again.
     if (!on) return;
-    const canvas = viewer.current;
-    canvas?.grow(sceneAt(frames, frames.length - 1), color);
-    canvas?.look();
+    canvas.grow(sceneAt(frames, frames.length - 1), color);
+    canvas.look();
     return () => {
-      canvas?.grow(null, color);
-      canvas?.look();
+      canvas.grow(null, color);
+      canvas.look();
     };
-  }, [on, frames, color]);
+  }, [on, canvas, frames, color]);
   useEffect(() => {
-    if (on) viewer.current?.grow(sceneAt(frames, shown), color);
-  }, [on, frames, shown, color]);
+    if (on) canvas.grow(sceneAt(frames, shown), color);
+  }, [on, canvas, frames, shown, color]);
   usePlay({
     playing: playing && on,
     count: frames.length,
@@ -185,7 +150,7 @@ export function SurfaceViewer({ surfaces, chosen, evolution = null, measure = nu
     <ViewerFrame
       label="Surface"
       status={status}
-      onRetry={() => setAttempt((before) => before + 1)}
+      onRetry={retry}
       tools={
         <>
           {evolution && (
@@ -210,7 +175,7 @@ export function SurfaceViewer({ surfaces, chosen, evolution = null, measure = nu
           )}
           <LayerMenu surfaces={surfaces} opacities={opacities} onChange={setOpacities} />
           <Tool label="Show the mesh's edges" icon={Grid3x3} on={edges} onClick={() => setEdges(!edges)} />
-          <Tool label="Look at all of it" icon={Maximize} onClick={() => viewer.current?.look()} />
+          <Tool label="Look at all of it" icon={Maximize} onClick={() => canvas?.look()} />
         </>
       }
     >

@@ -60,6 +60,8 @@ export class Viewer extends Niivue {
 
   private constructor() {
     super(OPTIONS);
+    this.#free("volumeObject3D");
+    this.#free("crosshairs3D");
     this.#still = structuredClone(this.uiData);
     this.holder.style.cssText = "width: 100%; height: 100%";
     this.holder.append(this.canvas);
@@ -107,6 +109,7 @@ export class Viewer extends Niivue {
     this.back = null;
     this.overlays = [];
     this.volumeObject3D = null;
+    this.crosshairs3D = null;
     const { gl } = this;
     this.volumeTexture = this.rgbaTex(this.volumeTexture, gl.TEXTURE0, TINY, true);
     this.overlayTexture = this.rgbaTex(this.overlayTexture, gl.TEXTURE2, TINY, true);
@@ -114,6 +117,23 @@ export class Viewer extends Niivue {
     gl.deleteTexture(this.gradientTexture);
     this.gradientTexture = null;
     this.canvas.width = this.canvas.height = 1;
+  }
+
+  /** niivue forgets its box around the volume, and its crosshair, each time it makes another; the browser does not. */
+  #free(name: "volumeObject3D" | "crosshairs3D"): void {
+    let held = this[name];
+    Object.defineProperty(this, name, {
+      get: () => held,
+      set: (next: typeof held) => {
+        if (held && held !== next) {
+          const { gl } = this;
+          gl.deleteVertexArray(held.vao);
+          gl.deleteBuffer(held.vertexBuffer);
+          gl.deleteBuffer(held.indexBuffer);
+        }
+        held = next;
+      },
+    });
   }
 
   /** Pixels of the canvas along each side of one of the page, 0 for as many as the screen has; draws nothing yet. */

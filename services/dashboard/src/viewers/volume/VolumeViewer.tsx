@@ -1,14 +1,15 @@
 import { Button, SegmentedControl, Tooltip } from "@mantine/core";
 import { LocateFixed, SquareDashed } from "lucide-react";
-import { useEffect, useEffectEvent, useRef, useState } from "react";
+import { useEffect, useEffectEvent, useState } from "react";
 import { sayFailure } from "@/app/say";
 import { anatomical, significant } from "@/format/format";
 import { download } from "../download";
 import { type LabelNames, labelNames } from "../labels";
-import type { SurfaceFile } from "../surface/SurfaceViewer";
 import { readSurface } from "../surface/readSurface";
+import type { SurfaceFile } from "../surface/surfaceFile";
 import { Tool } from "../Tool";
-import { ViewerFrame, type ViewerStatus } from "../ViewerFrame";
+import { useDrawing } from "../useDrawing";
+import { ViewerFrame } from "../ViewerFrame";
 import frame from "../viewers.module.css";
 import { around, type Box } from "./box";
 import { BoxLayer } from "./BoxLayer";
@@ -65,16 +66,7 @@ export function VolumeViewer({
   box = null,
   onBox,
 }: VolumeViewerProps) {
-  const parent = useRef<HTMLDivElement>(null);
-  const viewer = useRef<VolumeCanvas | null>(null);
-  const [open, setOpen] = useState<VolumeCanvas | null>(null);
   const [draws, setDraws] = useState(false);
-  const [status, setStatus] = useState<ViewerStatus>({
-    is: "loading",
-    fraction: 0,
-    what: "Loading the volume…",
-  });
-  const [attempt, setAttempt] = useState(0);
   const [place, setPlace] = useState<Place | null>(null);
   const [range, setRange] = useState<[number, number]>([0, 1]);
   const [coarse, setCoarse] = useState(false);
@@ -88,53 +80,37 @@ export function VolumeViewer({
     radiological: true,
     window: [0, 1],
   });
-  const current = useEffectEvent(() => ({ image, labels, display }));
   const change = (part: Partial<Display>) => setDisplay((before) => ({ ...before, ...part }));
 
-  useEffect(() => {
-    const element = parent.current;
-    if (!element) return;
-    const controller = new AbortController();
-    setStatus({ is: "loading", fraction: 0, what: "Loading the volume…" });
-    const canvas = new VolumeCanvas(element, setPlace, () => setStatus({ is: "lost" }));
+  const what = "Loading the volume…";
+  const {
+    parent,
+    status,
+    drawing: canvas,
+    retry,
+  } = useDrawing(`${image.url} ${labels?.url}`, what, async ({ element, signal, tell, onLost, keep }) => {
+    const canvas = keep(new VolumeCanvas(element, setPlace, onLost));
     canvas.canvas.dataset.testid = "volume";
-    const load = async () => {
-      const { image, labels, display } = current();
-      const load = async (file: VolumeFile, isLabels: boolean, onProgress: (fraction: number) => void) => ({
-        name: file.name,
-        ...(await loadVolume(file, mostVoxels(), isLabels, onProgress, controller.signal)),
-      });
-      const [source, overlay] = await Promise.all([
-        load(image, false, (fraction) => setStatus({ is: "loading", fraction, what: "Loading the volume…" })),
-        labels && load(labels, true, () => undefined),
-      ]);
-      if (controller.signal.aborted) return;
-      setStatus({ is: "loading", fraction: 1, what: "Drawing…" });
-      const { range: whole, window, coarse: isCoarse } = await canvas.open(source, overlay, display);
-      if (controller.signal.aborted) return;
-      setRange(whole);
-      setCoarse(isCoarse);
-      setDisplay((before) => ({ ...before, window }));
-      viewer.current = canvas;
-      setOpen(canvas);
-      setStatus({ is: "ready" });
-    };
-    load().catch((error: unknown) => {
-      if (!controller.signal.aborted) setStatus({ is: "failed", error });
+    const load = async (file: VolumeFile, isLabels: boolean, onProgress: (fraction: number) => void) => ({
+      name: file.name,
+      ...(await loadVolume(file, mostVoxels(), isLabels, onProgress, signal)),
     });
-    return () => {
-      controller.abort();
-      viewer.current = null;
-      setOpen(null);
-      canvas.close();
-    };
-  }, [image.url, labels?.url, attempt]);
+    const [source, overlay] = await Promise.all([
+      load(image, false, (fraction) => tell(what, fraction)),
+      labels && load(labels, true, () => undefined),
+    ]);
+    tell("Drawing…", 1);
+    const { range: whole, window, coarse: isCoarse } = await canvas.open(source, overlay, display);
+    signal.throwIfAborted();
+    setRange(whole);
+    setCoarse(isCoarse);
+    change({ window });
+    return canvas;
+  });
 
-  const ready = status.is === "ready";
   const opacity = useEffectEvent(() => display.referenceOpacity);
   useEffect(() => {
-    const canvas = viewer.current;
-    if (!ready || !canvas) return;
+    if (!canvas) return;
     const controller = new AbortController();
     const lay = async () => {
       const mask = reference
@@ -146,17 +122,16 @@ export function VolumeViewer({
       if (!controller.signal.aborted) sayFailure("The reference cannot be drawn", error);
     });
     return () => controller.abort();
-  }, [ready, reference]);
+  }, [canvas, reference]);
   useEffect(() => {
-    if (ready) viewer.current?.show(display);
-  }, [ready, display]);
+    canvas?.show(display);
+  }, [canvas, display]);
   const solid = display.layout === "render";
   const bounded = surfaces.filter(({ label }) => label !== BLEEDING);
   const wanted = useEffectEvent(() => bounded);
   const urls = bounded.map(({ url }) => url).join(" ");
   useEffect(() => {
-    const canvas = viewer.current;
-    if (!ready || !solid || !canvas) return;
+    if (!canvas || !solid) return;
     const controller = new AbortController();
     const load = async () => {
       const missing = wanted().filter(({ url }) => !canvas.has(url));
@@ -171,24 +146,23 @@ export function VolumeViewer({
       if (!controller.signal.aborted) sayFailure("The surfaces cannot be drawn", error);
     });
     return () => controller.abort();
-  }, [ready, solid, urls]);
+  }, [canvas, solid, urls]);
   useEffect(() => {
-    if (ready && focus) viewer.current?.goTo(focus);
-  }, [ready, focus]);
+    if (focus) canvas?.goTo(focus);
+  }, [canvas, focus]);
   useEffect(() => {
-    if (!ready) return;
-    viewer.current?.canvas.setAttribute(
+    canvas?.canvas.setAttribute(
       "aria-label",
       `${display.layout === "render" ? "The volume in 3D" : `Slices, ${display.layout}`}. ` +
         "Arrow keys and page up and down move the crosshair.",
     );
-  }, [ready, display.layout]);
+  }, [canvas, display.layout]);
 
   const drawBox = () => {
     setDraws(!draws);
     if (draws) return;
     if (solid) change({ layout: "slices" });
-    const extent = (viewer.current?.views() ?? []).flatMap(({ size }) => size);
+    const extent = (canvas?.views() ?? []).flatMap(({ size }) => size);
     if (!box && place) onBox?.(around(place.mm, Math.min(FIRST_BOX, ...extent.map((length) => length / 4))));
   };
 
@@ -196,7 +170,7 @@ export function VolumeViewer({
     <ViewerFrame
       label="Volume"
       status={status}
-      onRetry={() => setAttempt((before) => before + 1)}
+      onRetry={retry}
       tools={
         <>
           {onSeed && place && (
@@ -232,16 +206,16 @@ export function VolumeViewer({
       }
     >
       <div ref={parent} className={frame.stage} />
-      {open && box && place && !solid && (
+      {canvas && box && place && !solid && (
         <BoxLayer
-          canvas={open}
+          canvas={canvas}
           box={box}
           at={place.mm}
           draws={draws && onBox !== undefined}
           onChange={(next) => onBox?.(next)}
         />
       )}
-      {place && ready && (
+      {place && canvas && (
         <div className={frame.readout} data-testid="place">
           {anatomical(place.mm)}
           {place.intensity === null ? "" : `   ${significant(place.intensity, 4)}`}
