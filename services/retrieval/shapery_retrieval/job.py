@@ -181,7 +181,11 @@ def query_for(
     vector: NDArray[np.float64] | None = None
     if params.shape_id is not None and not (params.region is not None and mesh_file is not None):
         if params.region is not None:
-            raise InvalidInput("invalid_params", "A region is of the faces of a mesh, which was not given.")
+            raise InvalidInput(
+                "invalid_params",
+                "A region is of the faces of a mesh, which was not given.",
+                "Give the mesh itself, or name parts of the shape.",
+            )
         stored = searchers.stored(bank, params.shape_id)
         if stored is None:
             raise InvalidInput("not_found", f"There is no shape {params.shape_id!r} in the bank.")
