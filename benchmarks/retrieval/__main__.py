@@ -192,8 +192,9 @@ def halves() -> list[Query]:
 
 
 def parts_growth() -> Found:
-    """Search with halves of shapes among a hundred thousand."""
-    return {"parts_growth": kept_of_exhaustive([item.arg for item in watertight()], halves(), 100_000)}
+    """Search with halves of shapes in banks of a hundred to a hundred thousand."""
+    sizes = [10**k for k in range(2, 6)]
+    return {"parts_growth": kept_of_exhaustive([item.arg for item in watertight()], halves(), sizes)}
 
 
 def on_pgvector() -> Found:

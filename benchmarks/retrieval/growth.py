@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import resource
 import time
 from collections.abc import Sequence
@@ -92,7 +93,7 @@ class Grown:
         if not path.exists():
             levels, vectors = self._between(self.starts(number), np.random.default_rng([11, number]))
             arrays = {f"{name}{k}": getattr(level, name) for k, level in enumerate(levels) for name in NAMES}
-            part = path.with_suffix(".part.npz")
+            part = path.with_suffix(f".{os.getpid()}.npz")
             np.savez(part, vectors=vectors, **arrays)
             part.replace(path)
         with np.load(path, allow_pickle=False) as stored:

@@ -1,4 +1,4 @@
-"""What it costs a search by a part, in a large bank, that it looks only at the shapes nearest by the vectors of parts.
+"""What it costs a search by a part, in a bank of any size, that it looks only at the shapes nearest by vector.
 
 The bank is that of `benchmarks.retrieval.growth`; the patches of a shape are those of the real one that it was made
 from, each moved by noise of a share of the spread. No shape is left out, for here it is not asked what is alike but
@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import time
 from collections.abc import Sequence
 from functools import cached_property
@@ -23,18 +24,15 @@ from shapery_retrieval.coverage import asked_of, covered_by
 from shapery_retrieval.job import PARTIAL_CANDIDATES
 from shapery_retrieval.patches import Patches, nearest_patches, patches_of
 from shapery_retrieval.ranking import local_scale
-from shapery_retrieval.vector import vector_of
 from shapery_retrieval.vocabulary import vocabulary
 
 BEST = 20
-_COUNTS = {"by_parts": PARTIAL_CANDIDATES, "by_whole": 4000}
-"""So many nearest by either vector are looked at."""
 Query = tuple[Arg, list[Patches]]
 
 
 @one_blas_thread()
-def kept_of_exhaustive(args: Sequence[Arg], queries: Sequence[Query], size: int) -> dict[str, Any]:
-    """Search with parts among all shapes and among the nearest by vector.
+def kept_of_exhaustive(args: Sequence[Arg], queries: Sequence[Query], sizes: Sequence[int]) -> list[dict[str, Any]]:
+    """Search with parts among all shapes and among the nearest by the vectors of parts.
 
     Parameters
     ----------
@@ -42,40 +40,45 @@ def kept_of_exhaustive(args: Sequence[Arg], queries: Sequence[Query], size: int)
         Real graphs that the bank is grown from.
     queries
         Graphs of parts, and what they may be of a whole.
-    size
-        Of the bank.
+    sizes
+        Of banks, each the first shapes of the largest, in ascending order.
 
     Returns
     -------
-    ``size``; for ``by_parts`` and ``by_whole``, by which vectors candidates are found, ``candidates``; ``kept``, the
-    share of the exhaustive twenty best among the twenty best found; ``first``, how often the best is the same; and
-    ``rank``, the median rank by vector of the exhaustive twenty best; ``cpu_seconds`` of comparing a part with its
+    For each size ``size``; ``kept``, the share of the exhaustive twenty best among the twenty best found; ``first``,
+    how often the best is the same; ``rank``, the median rank by vector of the exhaustive twenty best; ``scan``,
+    processor seconds of finding candidates by a scan of all vectors, and ``compare`` those of comparing a part with the
     candidates by all patches.
     """
-    bank = Grown(args, size)
-    moving = Moving(bank, [patches_of(arg) for arg in args], size)
-    figures: dict[str, list[list[float]]] = {"by_parts": [], "by_whole": []}
-    for arg, hypotheses in queries:
-        found = _found(bank, moving, arg, hypotheses)
-        print(found, flush=True)
-        for by, row in found.items():
-            figures[by].append(row)
+    bank = Grown(args, sizes[-1])
+    moving = Moving(bank, [patches_of(arg) for arg in args], sizes[-1])
+    figures = []
+    for _, hypotheses in queries:
+        figures.append(_found(bank, moving, hypotheses, sizes))
+        print(figures[-1], flush=True)
     compared = moving.patches(0)[:PARTIAL_CANDIDATES]
     began = time.process_time()
     for _, hypotheses in queries:
         for patches in hypotheses:
             nearest_patches(patches, compared)
-    seconds = (time.process_time() - began) / len(queries)
-    told = {
-        by: {
-            "candidates": _COUNTS[by],
-            "kept": float(np.mean([row[0] for row in rows])),
-            "first": float(np.mean([row[1] for row in rows])),
-            "rank": float(np.median([row[2] for row in rows])),
-        }
-        for by, rows in figures.items()
-    }
-    return {"size": size, "cpu_seconds": seconds, **told}
+    compare = (time.process_time() - began) / len(queries)
+    rows = []
+    for size, found in zip(sizes, np.array(figures).transpose(1, 2, 0), strict=True):
+        began = time.process_time()
+        for _, hypotheses in queries:
+            np.linalg.norm(moving.covered[:size] - asked_of(hypotheses).astype(np.float32), axis=1)
+        scan = (time.process_time() - began) / len(queries)
+        rows.append(
+            {
+                "size": size,
+                "kept": float(found[0].mean()),
+                "first": float(found[1].mean()),
+                "rank": float(np.median(found[2])),
+                "scan": scan,
+                "compare": compare * min(size, PARTIAL_CANDIDATES) / len(compared),
+            }
+        )
+    return rows
 
 
 class Moving:
@@ -104,35 +107,35 @@ class Moving:
         path = self._bank.folder / f"covered-{self.size}-{words[:16]}.npy"
         if not path.exists():
             chunks = [covered_by(self.patches(number)) for number in range(-(-self.size // CHUNK))]
-            part = path.with_suffix(".part.npy")
+            part = path.with_suffix(f".{os.getpid()}.npy")
             np.save(part, np.concatenate(chunks).astype(np.float32))
             part.replace(path)
         return np.asarray(np.load(path))
 
 
-def _found(bank: Grown, moving: Moving, arg: Arg, hypotheses: Sequence[Patches]) -> dict[str, list[float]]:
-    """Return what of the exhaustive twenty best is kept, whether the best is, and the median rank of the twenty."""
-    asked = {"by_parts": asked_of(hypotheses), "by_whole": vector_of(arg)}
-    vectors = {"by_parts": moving.covered, "by_whole": bank.vectors(0, moving.size)}
-    known = hashlib.sha256(json.dumps([_COUNTS, *(values.tolist() for values in asked.values())]).encode()).hexdigest()
-    path = bank.folder / f"part-{moving.size}-{known[:16]}.json"
+def _found(bank: Grown, moving: Moving, hypotheses: Sequence[Patches], sizes: Sequence[int]) -> list[list[float]]:
+    """Return for each size what of the exhaustive twenty best is kept, whether the best is, and their median rank."""
+    asked = asked_of(hypotheses).astype(np.float32)
+    known = hashlib.sha256(json.dumps([PARTIAL_CANDIDATES, *sizes]).encode() + asked.tobytes()).hexdigest()
+    path = bank.folder / f"part-{known[:16]}.json"
     if path.exists():
-        stored: dict[str, list[float]] = json.loads(path.read_text())
+        stored: list[list[float]] = json.loads(path.read_text())
         return stored
     rows = [np.empty((len(patches.masses), moving.size), np.float32) for patches in hypotheses]
     for number in range(-(-moving.size // CHUNK)):
         moved = moving.patches(number)
         for patches, row in zip(hypotheses, rows, strict=True):
             row[:, number * CHUNK : number * CHUNK + len(moved)] = nearest_patches(patches, moved)
-    best = _best(hypotheses, rows, np.arange(moving.size))
-    result = {}
-    for by, most in _COUNTS.items():
-        near = np.argsort(np.linalg.norm(vectors[by] - asked[by].astype(np.float32), axis=1), kind="stable")
-        rank = np.empty(moving.size, dtype=np.int64)
-        rank[near] = np.arange(moving.size)
-        found = _best(hypotheses, rows, near[:most])
-        kept = len(np.intersect1d(best, found)) / BEST
-        result[by] = [kept, float(best[0] == found[0]), float(np.median(rank[best]))]
+    apart = np.linalg.norm(moving.covered - asked, axis=1)
+    result = []
+    for size in sizes:
+        best = _best(hypotheses, rows, np.arange(size))
+        near = np.argsort(apart[:size], kind="stable")
+        rank = np.empty(size, dtype=np.int64)
+        rank[near] = np.arange(size)
+        found = _best(hypotheses, rows, np.sort(near[:PARTIAL_CANDIDATES]))
+        kept = len(np.intersect1d(best, found)) / len(best)
+        result.append([kept, float(best[0] == found[0]), float(np.median(rank[best]))])
     path.write_text(json.dumps(result))
     return result
 
