@@ -33,7 +33,9 @@ PARTS = ("rates", "decoding", "growth", "chapter")
 SEQUENCES = ("crane", "chickenCrossing", "horse-gallop", "pdance", "pcow", "mmface4d-3k")
 
 METHODS: dict[str, Method] = {
-    "trajectory": lambda case, kg: file(case, kg, profile="trajectory"),
+    "trajectory": lambda case, kg: file(
+        case, kg, profile="trajectory", keep=decoding.place_of(case.name) if kg == TOLD else None
+    ),
     "trajectory-fast": lambda case, kg: file(case, kg, profile="trajectory", preset="fast"),
     "gradient": lambda case, kg: file(case, kg, profile="gradient"),
     "clustered-pca": lambda case, kg: clustered_pca(case, kg, plain=True),

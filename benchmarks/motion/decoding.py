@@ -16,10 +16,12 @@ from typing import Any
 import numpy as np
 
 from benchmarks.dashboard.browser import chromium, opened
-from benchmarks.motion.case import RESULTS, ROOT, load
+from benchmarks.motion.case import DATA, RESULTS, ROOT, load
 from shapery_contracts.motion import MotionEncodeParams
 from shapery_geometry.sequence import MeshSequence
 from shapery_motion import encode, open_motion
+from shapery_motion.container.connectivity import pack_connectivity, sorted_faces
+from shapery_motion.container.sections import CONNECTIVITY, pack_section
 
 KEPT = RESULTS / "motion" / "decoding.json"
 DASHBOARD = ROOT / "services" / "dashboard"
@@ -61,13 +63,19 @@ def measure(names: Sequence[str]) -> None:
             for name, place in files.items():
                 rows[name]["browser"] = _in_browser(browser, script, place, rows[name]["frames"])
             version = browser.version
-        found = {"sequences": rows, "browser": version, "memory": _memory(Path(folder))}
+        memory = _memory(Path(folder))
+    found = {"sequences": rows, "browser": version, "memory": memory, "connectivity": _connectivity()}
     KEPT.write_text(json.dumps(found, indent=1) + "\n")
 
 
+def place_of(name: str) -> Path:
+    """Return where the file of a sequence at the default setting is kept."""
+    return KEPT.parent / f"{name}.smc"
+
+
 def _encoded(name: str) -> Path:
-    """Return a file of the sequence at the default setting; it is made once."""
-    place = KEPT.parent / f"{name}.smc"
+    """Return that file; it is made where the rates were not measured here."""
+    place = place_of(name)
     if not place.exists():
         case = load(name)
         place.write_bytes(encode(MeshSequence(case.frames.astype(np.float32), case.faces)).data)
@@ -79,7 +87,7 @@ def _order(frames: int) -> list[int]:
 
 
 def _in_python(place: Path) -> dict[str, Any]:
-    """Return CPU times: the best of some openings up to the first frame, and frames of the open group in any order."""
+    """Return CPU times: the median opening up to the first frame, and frames of the open group in any order."""
     firsts = []
     open_motion(place).frame(0)  # loads what is compiled
     for _ in range(OPENINGS):
@@ -121,6 +129,17 @@ def _in_browser(browser: Any, script: str, place: Path, frames: int) -> dict[str
     found = page.evaluate(PLAY, [base64.b64encode(place.read_bytes()).decode(), _order(frames)])
     page.context.close()
     return {"first_seconds": found["first"] / 1000, "frame_seconds": found["frame"] / 1000}
+
+
+def _connectivity() -> dict[str, float]:
+    """Return the bits a vertex that the faces of every mesh of the data take, the order of vertices kept."""
+    found = {}
+    for place in sorted(DATA.glob("*.npz")):
+        with np.load(place) as stored:
+            vertices = stored["vertices"].shape[1]
+            packed = pack_section(CONNECTIVITY, pack_connectivity(vertices, sorted_faces(stored["faces"])))
+        found[place.stem] = 8 * len(packed) / vertices
+    return found
 
 
 def _memory(folder: Path) -> list[dict[str, Any]]:

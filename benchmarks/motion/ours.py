@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -24,11 +25,21 @@ from shapery_motion.profiles import GroupTask
 
 
 def file(
-    case: Case, kg: float, *, profile: Literal["trajectory", "gradient"], preset: Literal["default", "fast"] = "default"
+    case: Case,
+    kg: float,
+    *,
+    profile: Literal["trajectory", "gradient"],
+    preset: Literal["default", "fast"] = "default",
+    keep: Path | None = None,
 ) -> Coded:
-    """Make a motion file with one bound and nothing else set; its size is that on disk, the container included."""
+    """Make a motion file with one bound and nothing else set; its size is that on disk, the container included.
+
+    It is written to `keep`, if that is given.
+    """
     sequence = MeshSequence(case.frames.astype(np.float32), case.faces)
     encoding = encode(sequence, MotionEncodeParams(kg=kg, profile=profile, preset=preset))
+    if keep:
+        keep.write_bytes(encoding.data)
     start = time.process_time()
     motion = open_motion(encoding.data)
     first = motion.frame(0)

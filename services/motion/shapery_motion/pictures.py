@@ -27,19 +27,20 @@ def cluster_colours(count: int) -> NDArray[np.uint8]:
 
 
 def clusters_png(vertices: FrameArray, faces: IntArray, labels: IntArray) -> bytes:
-    """Draw a frame in the colours of its clusters, seen across its two widest directions; on a clear ground."""
+    """Draw a frame in the colours of its clusters, y upwards, seen across its wider side; on a clear ground."""
     points = np.asarray(vertices, dtype=np.float64)
     used = np.unique(faces) if len(faces) else np.arange(len(points))
     points = points - points[used].mean(axis=0)
-    scatter, axes = np.linalg.eigh(points[used].T @ points[used])
-    axes = axes[:, np.argsort(-scatter, kind="stable")]
-    # the longest direction stands, the shortest points to the eye, both as the coordinate axes nearest to them run
-    axes *= np.sign(axes[np.abs(axes).argmax(axis=0), np.arange(3)])
-    up, eye = axes[:, 0], axes[:, 2]
-    # everything is turned a little, so that depth is seen
+    ground = points[used][:, [0, 2]]
+    narrow = np.linalg.eigh(ground.T @ ground)[1][:, 0]
+    narrow *= np.sign(narrow[np.abs(narrow).argmax()])
+    up, eye = np.array([0.0, 1.0, 0.0]), np.array([narrow[0], 0.0, narrow[1]])
+    # everything is turned and tilted a little, so that depth is seen
     turned = points @ np.stack((np.cross(up, eye), up, eye), axis=1)
-    c, s = math.cos(0.45), math.sin(0.45)
-    turned = np.stack((c * turned[:, 0] + s * turned[:, 2], turned[:, 1], c * turned[:, 2] - s * turned[:, 0]), axis=1)
+    for first, second, angle in ((0, 2, 0.45), (2, 1, 0.25)):
+        c, s = math.cos(angle), math.sin(angle)
+        a, b = turned[:, first].copy(), turned[:, second].copy()
+        turned[:, first], turned[:, second] = c * a + s * b, c * b - s * a
     low, high = turned[used].min(axis=0), turned[used].max(axis=0)
     fine = SIDE * SAMPLES
     scale = 0.92 * fine / max(float((high - low)[:2].max()), 1e-300)
@@ -133,6 +134,10 @@ def _limits(values: list[float]) -> tuple[float, float]:
 
 
 def _ticks(low: float, high: float) -> list[float]:
-    """Return the numbers 1, 2 and 5 times a power of ten in between."""
+    """Return the numbers 1, 2 and 5 times a power of ten in between, and more of them where those are few."""
     powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
-    return [m * 10.0**p for p in powers for m in (1, 2, 5) if low <= m * 10.0**p <= high]
+    for multiples in ((1, 2, 5), (1, 1.5, 2, 3, 4, 5, 6, 8)):
+        found = [m * 10.0**p for p in powers for m in multiples if low <= m * 10.0**p <= high]
+        if len(found) > 2:
+            break
+    return found
