@@ -121,7 +121,8 @@ def main() -> None:
     targets = [float(kg) for kg in options.targets.split(",")]
     KEPT.mkdir(parents=True, exist_ok=True)
     if options.child:
-        child(*options.child, targets)
+        name, method = options.child
+        child(name, method, targets)
         return
     report.restore(KEPT)
     if not (options.report or DATA.is_dir()):

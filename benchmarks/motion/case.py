@@ -47,7 +47,7 @@ class Case:
     @property
     def numbers(self) -> int:
         """Vertices times frames: what bits are divided by."""
-        return self.frames.shape[0] * self.frames.shape[1]
+        return int(self.frames.shape[0] * self.frames.shape[1])
 
     def kg(self, decoded: NDArray[np.float64]) -> float:
         """KG error in percent."""

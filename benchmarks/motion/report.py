@@ -249,8 +249,8 @@ def _decoding(found: dict[str, Any]) -> list[str]:
         [
             name, str(row["vertices"]), f"{row['first_cpu_seconds']:.3f}", f"{1 / row['frame_cpu_seconds']:,.0f}",
             f"{row['vertices'] / (PLAYED * row['frame_cpu_seconds']):,.0f}",
-            f"{1000 * row['longest_frame_cpu_seconds']:.2f}", f"{row['browser']['first_seconds']:.3f}",
-            f"{row['vertices'] / (PLAYED * row['browser']['frame_seconds']):,.0f}",
+            f"{1000 * row['longest_frame_cpu_seconds']:.2f}", f"{row['browser']['first_cpu_seconds']:.2f}",
+            f"{row['vertices'] / (PLAYED * row['browser']['frame_cpu_seconds']):,.0f}",
         ]
         for name, row in found["sequences"].items()
     ]  # fmt: skip
@@ -263,17 +263,17 @@ def _decoding(found: dict[str, Any]) -> list[str]:
         "",
         "Files of the default setting (KG 0.1 %) in Python, CPU time on one core: opening up to the first frame, then",
         "frames of the open group in random order; scaled, as if the time of a frame were in proportion to its",
-        f"vertices. The browser is Chromium {found['browser']} with the dashboard's decoder, by the clock; its first",
-        "frame includes that the script is compiled.",
+        f"vertices. The browser is Chromium {found['browser']} with the dashboard's decoder, processor time of all",
+        "threads of the page; its first frame includes that the script is compiled.",
         "",
         *_table(head, rows),
         f"Memory: a process that decodes one group of {few['frames']} frames of {few['sequence']} holds at the most",
         f"{few['peak_megabytes']:.1f} MB, the interpreter and its libraries included; one that decodes all",
         f"{many['frames']} frames, in such groups, {many['peak_megabytes']:.1f} MB.",
         "",
-        "Connectivity of all meshes of the data, bits a vertex, the order of vertices kept:",
-        ", ".join(f"{name} {bits:.1f}" for name, bits in found["connectivity"].items()) + ".",
+        "Connectivity of all meshes of the data, the order of vertices kept:",
         "",
+        *_table(["mesh", "bits a vertex"], [[name, f"{bits:.1f}"] for name, bits in found["connectivity"].items()]),
     ]
 
 

@@ -214,7 +214,14 @@ def test_numbering_without_gaps_is_taken(names: list[str]) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "bits"),
-    [("chickenCrossing", 0.31), ("horse-gallop", 0.58), ("mmface4d-3k", 0.93), ("pcow", 1.42), ("pdance", 0.22)],
+    [
+        ("crane", 0.73),
+        ("chickenCrossing", 0.31),
+        ("horse-gallop", 0.58),
+        ("mmface4d-3k", 0.93),
+        ("pcow", 1.42),
+        ("pdance", 0.22),
+    ],
 )
 def test_real_motions_meet_the_default_bound_at_a_low_rate(shared_data: object, name: str, bits: float) -> None:
     sequence = read_sequence(f"{shared_data}/motion/{name}.npz")
