@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy import ndimage
 
 from shapery_geometry.mask_metrics import intersection_over_union
 from shapery_geometry.mesh import TriangleMesh, icosphere
@@ -12,7 +13,7 @@ from shapery_geometry.volume import Volume
 from shapery_segmentation.phantoms import tube_phantom
 from shapery_segmentation.vessels import _coverage_kernels as kernels
 from shapery_segmentation.vessels import segment_vessels
-from shapery_segmentation.vessels.fit import half_covered
+from shapery_segmentation.vessels.fit import _bells, half_covered
 
 SAMPLES = 8
 
@@ -94,8 +95,28 @@ def test_a_wall_that_every_voxel_crosses_is_found_through_the_noise(polarity: st
             np.random.default_rng(number),
             radius=1.5,
             bend=5.0,
-            polarity=polarity,
-            bias=0.4,  # type: ignore[arg-type]
+            polarity=polarity,  # type: ignore[arg-type]
+            bias=0.4,
         )
         found.append(intersection_over_union(segment_vessels(phantom.volume).mask, phantom.truth.data == 3))
     assert np.mean(found) > 0.94
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("radius", "least"), [(1.5, 0.8), (3.0, 0.91), (5.0, 0.965)])
+def test_the_blur_of_a_scanner_moves_no_wall(radius: float, least: float) -> None:
+    sharp = tube_phantom(np.random.default_rng(3), (48, 48, 48), radius=radius, snr=1e9)
+    noise = np.random.default_rng(5).normal(0.0, np.ptp(sharp.volume.data) / 15.0, sharp.volume.shape)
+    seen = ndimage.gaussian_filter(sharp.volume.data, 1.0) + noise
+    found = segment_vessels(Volume(seen.astype(np.float32), sharp.volume.affine)).mask
+    assert intersection_over_union(found, sharp.truth.data == 3) > least
+
+
+def test_a_blurred_voxel_shows_what_a_filter_shows() -> None:
+    sharp = np.random.default_rng(2).random((9, 11, 10)).astype(np.float32)
+    places = np.array([(4, 5, 5), (0, 0, 0), (8, 10, 9), (1, 9, 4)])
+    out = np.empty((len(places), 2))
+    kernels.blurred(sharp, places, _bells((0.0, 0.7)), out)
+    seen = ndimage.gaussian_filter(sharp.astype(np.float64), 0.7, mode="constant", radius=3)
+    np.testing.assert_allclose(out[:, 0], sharp[tuple(places.T)], atol=1e-6)
+    np.testing.assert_allclose(out[:, 1], seen[tuple(places.T)], atol=1e-4)

@@ -74,6 +74,40 @@ def cover(points: Array, faces: Array, samples: int, low: Array, inside: Array) 
 
 
 @njit(cache=True, nogil=True)
+def blurred(shares: Array, places: Array, bells: Array, out: Array) -> None:
+    """Write what blurred volumes show at some voxels.
+
+    Parameters
+    ----------
+    shares : (A, B, C) float32
+        The sharp volume; 0 beyond it.
+    places : (n, 3) int64
+        Voxels.
+    bells : (s, 2 r + 1) float64
+        Along one axis, the shares that the neighbours have in what a voxel shows, for each of s blurs.
+    out : (n, s) float64
+    """
+    na, nb, nc = shares.shape
+    reach = bells.shape[1] // 2
+    for n in range(places.shape[0]):
+        i0, j0, k0 = places[n]
+        first, last = max(-reach, -k0), min(reach, nc - 1 - k0)
+        for s in range(bells.shape[0]):
+            bell = bells[s]
+            total = 0.0
+            for i in range(max(-reach, -i0), min(reach, na - 1 - i0) + 1):
+                for j in range(max(-reach, -j0), min(reach, nb - 1 - j0) + 1):
+                    part = bell[i + reach] * bell[j + reach]
+                    if part < 1e-6:
+                        continue
+                    line = 0.0
+                    for k in range(first, last + 1):
+                        line += bell[k + reach] * shares[i0 + i, j0 + j, k0 + k]
+                    total += part * line
+            out[n, s] = total
+
+
+@njit(cache=True, nogil=True)
 def _beside(points: Array, a: int, b: int, x: float, y: float, upwards: bool) -> float:
     """Return twice the area of a triangle over the edge from `a` to `b`, positive within; −1 on an edge not its own.
 

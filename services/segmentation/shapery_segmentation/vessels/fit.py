@@ -8,8 +8,9 @@ threshold of single values, and no line across the wall, tells as much.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from math import erf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +29,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-ROUNDS = 4
+ROUNDS = 5
 """Times that the surface is compared with the volume and moved."""
 
 COLUMNS = 4
@@ -63,6 +64,18 @@ LARGEST_SHIFT = 0.1
 
 LEAST_COTANGENT = 0.02
 """Cotangents are raised to this, so that obtuse corners do not turn a smoothness into its contrary."""
+
+BLURS = (0.0, 0.3, 0.45, 0.6, 0.75, 0.9, 1.05, 1.2)
+"""Voxels: deviations of a scanner's blur of which the one is taken that explains the values best."""
+
+BLUR_REACH = 3
+"""Voxels to which a blur reaches."""
+
+BLUR_VOXELS = 2000
+"""Voxels at about which that is decided."""
+
+LARGEST_BRIGHTER = 1.6
+"""Times that a vessel is brighter than its brightest voxels at the most."""
 
 SLAB = 4_000_000
 """Voxels whose shares are held at once."""
@@ -113,12 +126,15 @@ def fit_surface(
     over the voxels that the surface crosses. A voxel of volume V gains dA/V of its share for each area dA in it that
     moves by a unit. β has no unit, so that one value serves vessels of any size; the noise is that of the volume: in a
     clean one, the surface follows what it sees.
+
+    What the scanner blurred is compared with shares that are blurred as much: each round takes the blur that explains
+    the values best at the surface of the one before.
     """
     voxel = min(grid.spacing)
     surface, live = mesh.to_triangle_mesh(), mesh.live
     faces, count = surface.faces, len(surface.vertices)
     mean = _averaging(faces, count)
-    last = 0.0
+    last, blur = 0.0, 0.0
     nearly: LinearOperator | None = None
     # Only places change: the triangles stay what they are.
     for _ in range(ROUNDS):
@@ -126,7 +142,7 @@ def fit_surface(
             check_cancelled()
         points = np.ascontiguousarray(mesh.arrays.points[live, :3])
         normals, bend = _bends(points, faces, mean)
-        gain, missing = _residual(_curve(points, faces, mean, voxel), evidence, border, grid)
+        gain, missing, blur = _residual(_curve(points, faces, mean, voxel), bend, evidence, border, grid, blur)
         weights, area = _cotangents(points, faces)
         bend = np.maximum(bend, 1.0 / (LARGEST_RADIUS * voxel))
         stiff = STIFFNESS / bend**2
@@ -171,8 +187,13 @@ def half_covered(surface: TriangleMesh, grid: Volume) -> BoolArray:
     return inside
 
 
-def _residual(curve: _Curve, evidence: Evidence, border: Border, grid: Volume) -> tuple[sparse.csr_array, FloatArray]:
-    """Return what the voxels gain when vertices move along their normals, and what they lack, in units of the noise."""
+def _residual(
+    curve: _Curve, bend: FloatArray, evidence: Evidence, border: Border, grid: Volume, blur: float
+) -> tuple[sparse.csr_array, FloatArray, float]:
+    """Return what the voxels gain when vertices move along their normals, what they lack, and the blur they tell.
+
+    The first two are in units of the noise, with `blur` as the deviation of the scanner's blur in voxels.
+    """
     index = np.ascontiguousarray(grid.to_index(curve.points))
     # Nothing is known beyond the grid: there the surface goes on as it comes.
     low = np.clip(np.floor(index.min(axis=0) + 0.5), 0, grid.shape).astype(np.int64)
@@ -183,19 +204,53 @@ def _residual(curve: _Curve, evidence: Evidence, border: Border, grid: Volume) -
     found = kernels.crossed(index, curve.points, curve.faces, low, shape, voxel, vertex, area)
     voxel, vertex, area = voxel[:found], vertex[:found], area[:found]
     names, row = np.unique(voxel, return_inverse=True)
-    share = np.empty(len(names))
-    slice_ = int(shape[1] * shape[2])
-    for first, shares in _shares(index, _outwards(curve.faces, grid), low, high):
-        a, b = np.searchsorted(names, (first * slice_, (first + len(shares)) * slice_))
-        share[a:b] = shares.ravel()[names[a:b] - first * slice_]
-    place = np.stack(np.unravel_index(names, tuple(shape)), axis=1) + low
-    value, contrast = np.empty(len(names)), np.empty(len(names))
-    border_kernels.relative_values(evidence.values, border.inside, border.inner, border.outer, float(CUBE), place,
-                                   value, contrast)  # fmt: skip
-    weight = np.minimum(contrast / max(evidence.noise, 1e-30), LARGEST_RATIO)
+    place = np.stack(np.unravel_index(names, tuple(shape)), axis=1)
+    some = np.arange(0, len(names), max(1, len(names) // BLUR_VOXELS))
+    share, shares_of = np.empty((len(names), 1)), np.empty((len(some), len(BLURS)))
+    for first, shares in _shares(index, _outwards(curve.faces, grid), low, high, halo=BLUR_REACH):
+        last = first + len(shares) - 2 * BLUR_REACH
+        for deviations, where, seen in (((blur,), np.arange(len(names)), share), (BLURS, some, shares_of)):
+            a, b = np.searchsorted(place[where, 0], (first, last))
+            at = place[where[a:b]] - np.array((first - BLUR_REACH, 0, 0))
+            kernels.blurred(shares, at, _bells(deviations), seen[a:b])
     moved = sparse.csr_array((area, (row, vertex)), shape=(len(names), len(curve.points))) @ curve.follow
-    gain = sparse.diags_array(weight / grid.voxel_volume) @ moved
-    return gain.tocsr(), weight * (np.clip(value, -CLIP, 1.0 + CLIP) - share)
+    value, contrast = np.empty(len(names)), np.empty(len(names))
+    border_kernels.relative_values(evidence.values, border.inside, border.inner, border.outer, float(CUBE), place + low,
+                                   value, contrast)  # fmt: skip
+    brighter = _brighter(min(grid.spacing) * (moved @ bend) / np.maximum(moved.sum(axis=1), 1e-12), blur)
+    value, contrast = value / brighter, contrast * brighter
+    value = np.clip(value, -CLIP, 1.0 + CLIP)
+    weight = np.minimum(contrast / max(evidence.noise, 1e-30), LARGEST_RATIO)
+    # Of what a wall adds to a voxel by moving, the blur leaves so much in it.
+    left = erf(0.5 / (np.sqrt(2.0) * max(blur, 1e-3)))
+    gain = sparse.diags_array(left * weight / grid.voxel_volume) @ moved
+    wrong = (weight[some, None] * (value[some, None] - shares_of)) ** 2
+    return gain.tocsr(), weight * (value - share[:, 0]), BLURS[int(wrong.sum(axis=0).argmin())]
+
+
+def _brighter(bend: FloatArray, blur: float) -> FloatArray:
+    """Return how much brighter than its brightest voxels a tube is inside.
+
+    Parameters
+    ----------
+    bend : (n,) float64
+        Its curvature in 1/voxel, that is one over its radius r.
+    blur
+        Deviation σ in voxels.
+
+    Notes
+    -----
+    On its axis a blurred tube shows 1 − exp(−r² / 2σ²) of what is in it.
+    """
+    radius = 1.0 / np.maximum(bend, 1e-3)
+    return np.asarray(np.minimum(1.0 / -np.expm1(-0.5 * (radius / max(blur, 1e-3)) ** 2), LARGEST_BRIGHTER))
+
+
+def _bells(deviations: Sequence[float]) -> FloatArray:
+    """Return the shares that neighbours, up to `BLUR_REACH` away along one axis, have in what a blurred voxel shows."""
+    at = np.arange(-BLUR_REACH, BLUR_REACH + 1)
+    bells = np.exp(-0.5 * (at / np.maximum(np.asarray(deviations), 1e-3)[:, None]) ** 2)
+    return np.asarray(bells / bells.sum(axis=1, keepdims=True))
 
 
 def _nearly(weights: sparse.csr_array, area: FloatArray, stiff: FloatArray, told: FloatArray) -> LinearOperator:
@@ -293,14 +348,18 @@ def _curve(points: FloatArray, faces: NDArray[np.int32], mean: sparse.csr_array,
 
 
 def _shares(
-    index: FloatArray, faces: NDArray[np.int32], low: IntArray, high: IntArray
+    index: FloatArray, faces: NDArray[np.int32], low: IntArray, high: IntArray, halo: int = 0
 ) -> Iterator[tuple[int, NDArray[np.float32]]]:
-    """Yield slabs of the box from `low` to `high`: the first slice of each, and the share of its voxels inside."""
+    """Yield slabs of the box from `low` to `high`: the first slice of each, and the share of its voxels inside.
+
+    A slab has `halo` more slices at both ends.
+    """
     shape = high - low
     thick = max(1, SLAB // max(1, int(shape[1] * shape[2])))
     for first in range(0, int(shape[0]), thick):
-        shares = np.zeros((min(thick, int(shape[0]) - first), int(shape[1]), int(shape[2])), dtype=np.float32)
-        kernels.cover(index, faces, COLUMNS, low + np.array((first, 0, 0)), shares)
+        count = min(thick, int(shape[0]) - first) + 2 * halo
+        shares = np.zeros((count, int(shape[1]), int(shape[2])), dtype=np.float32)
+        kernels.cover(index, faces, COLUMNS, low + np.array((first - halo, 0, 0)), shares)
         yield first, shares
 
 
