@@ -8,12 +8,12 @@ from pathlib import Path
 from statistics import mean
 from typing import Any
 
-from benchmarks.segmentation import ablation, settings, tables, vessels
+from benchmarks.segmentation import ablation, defects, settings, tables, vessels
 from benchmarks.segmentation.cases import MEASURED_MM3
 
 Results = dict[str, Any]
 
-PARTS = ("real", "peers", "settings", "ablation", "phantoms", "vessels", "growth")
+PARTS = ("real", "peers", "settings", "ablation", "defects", "phantoms", "vessels", "growth")
 """In the order in which they are measured and shown."""
 
 
@@ -94,6 +94,8 @@ def document(results: Results) -> str:
             text += _beside(run)
     if "ablation" in results:
         text += _ablation(results["ablation"])
+    if "defects" in results:
+        text += defects.section(results["defects"])
     if "phantoms" in results:
         text += ["", "## Phantoms", "", "Heads with known truth, as the real cases are done:", ""]
         text += tables.cases_table(results["phantoms"]["heads"])
@@ -149,8 +151,9 @@ def _ablation(by_case: dict[str, Sequence[dict[str, Any]]]) -> list[str]:
         "## What the parts of the flow earn",
         "",
         "The flows of all cases with an object, from the same seed surfaces, means over them; IoU is of the voxels",
-        "inside the surface with the enhancing tumor. Damping is ours: without it, as in the dissertation, aging",
-        "(S5) and interpolation (S8) have more to do. Model selection (S9) is measured below, on vessels.",
+        "inside the surface with the enhancing tumor. Damping is ours: without it, as in the dissertation, aging (S5)",
+        "has more to do. Interpolation (S8) is for data that are not all there, and measured on such below; tumors are",
+        "done without it. Model selection (S9) is measured on vessels.",
     ]
     for setting in ablation.SETTINGS:
         text += [

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -10,7 +11,8 @@ import pytest
 from shapery_geometry.mesh import icosphere
 from shapery_segmentation.flow import NormalFlowParams, normal_flow
 from shapery_segmentation.flow.ablation import COMBINATIONS, ablate
-from shapery_segmentation.flow.interpolation import LEAST_WEIGHT, interpolated
+from shapery_segmentation.flow.interpolation import LEAST_WEIGHT, contrasts, interpolated
+from shapery_segmentation.phantoms.blob import defective_blob
 from tests.support.fields import assert_sound, ball, field_of, grid
 
 
@@ -81,9 +83,7 @@ def grainy() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def test_what_the_ablation_reports() -> None:
     field, affine, truth = grainy()
-    params = NormalFlowParams(
-        threshold_share=None, edge_lengths=(1.5,), step=0.5, window=8, interpolation_share=0.05, max_iterations=120
-    )
+    params = NormalFlowParams(threshold_share=None, edge_lengths=(1.5,), step=0.5, window=8, max_iterations=120)
     rows = {
         row.without: row for row in ablate(field, None, affine, icosphere(radius=5.0), truth, params, threshold=0.0)
     }
@@ -91,8 +91,7 @@ def test_what_the_ablation_reports() -> None:
     assert all(row.iou > 0.8 for row in rows.values())
     # Parts that are left out do nothing, the others do.
     assert rows[("damping",)].aged > 0
-    assert rows[("damping",)].interpolations > 0
-    assert all(row.aged == 0 or "aging" not in without for without, row in rows.items() if not row.interpolations)
+    assert all(row.aged == 0 for without, row in rows.items() if "aging" in without)
     assert all(row.interpolations == 0 for without, row in rows.items() if "interpolation" in without)
     # Damping and aging leave less to oscillate.
     nothing = rows[("damping", "aging", "interpolation")]
@@ -101,15 +100,32 @@ def test_what_the_ablation_reports() -> None:
     assert rows[("damping", "interpolation")].iterations <= nothing.iterations
 
 
-def test_interpolation_keeps_the_surface_sound() -> None:
-    field, affine, _ = grainy()
-    params = NormalFlowParams(
-        threshold_share=None, edge_lengths=(1.5,), step=0.5, damping=1.0, interpolation_share=0.0,
-        interpolation_interval=3, max_iterations=60,
-    )  # fmt: skip
-    result = normal_flow(field, None, affine, icosphere(radius=5.0), params, threshold=0.0)
-    assert result.interpolations > 0
-    assert_sound(result)
+@pytest.mark.parametrize("kind", ["gap", "stripes"])
+def test_a_border_that_is_lost_is_bridged(kind: Literal["gap", "stripes"]) -> None:
+    phantom = defective_blob(np.random.default_rng(0), kind)
+    field = np.asarray(phantom.volume.data)
+    seed = icosphere(phantom.center, 7.0, 2)
+    params = NormalFlowParams(threshold_share=None, edge_lengths=(2.0, 1.3))
+    with_it, without = (
+        normal_flow(field, None, phantom.volume.affine, seed, p, threshold=0.0)
+        for p in (params, replace(params, interpolation_share=None))
+    )
+    assert with_it.interpolations > 0
+    assert without.interpolations == 0
+    assert_sound(with_it)
+    off = [float(np.abs(phantom.distance(result.mesh.vertices)).mean()) for result in (with_it, without)]
+    assert off[0] < 0.7 * off[1]
+
+
+def test_contrasts_tell_where_there_is_a_border() -> None:
+    points, affine = grid(34)
+    sphere = icosphere(radius=10.0, subdivisions=3)
+    field = field_of(ball(points, (0, 0, 0), 10.0), 1.0).astype(np.float32)
+    field[points[..., 0] > 4.0] = 0.0
+    for sign in (1.0, -1.0):
+        found = contrasts(sphere.vertices, sphere.faces, np.float32(sign) * field, np.linalg.inv(affine)[:3], 1.0)
+        assert (found[sphere.vertices[:, 0] < 0.0] > 0.8).all()
+        assert (found[sphere.vertices[:, 0] > 8.0] < 0.3).all()
 
 
 @pytest.mark.parametrize(

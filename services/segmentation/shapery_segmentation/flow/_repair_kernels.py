@@ -1,13 +1,11 @@
-"""Help for vertices that do not come to rest: finer triangles, collapse, smoothing, the strongest gradient nearby."""
+"""Help for vertices that do not come to rest: finer triangles, collapse, smoothing."""
 
 # mypy: allow-untyped-defs, allow-untyped-calls
 
 import numpy as np
 
-from shapery_segmentation.flow._speed_kernels import sample
 from shapery_segmentation.flow._state_kernels import AWAKE, COLLAPSE, FROZEN, MODE, NONE, REFINE, WISH, wake
-from shapery_segmentation.flow._step_kernels import SAMPLES, surround
-from shapery_segmentation.mesh._grid_kernels import point
+from shapery_segmentation.flow._step_kernels import surround
 from shapery_segmentation.mesh._operation_kernels import compactness, following, origin, preceding, twin
 from shapery_segmentation.mesh.arrays import OUT, SCALE, VERTEX_TOP
 from shapery_segmentation.mesh.compiled import kernel
@@ -92,50 +90,3 @@ def irregular_vertices(m, counter, least, target, movers):
             movers[count] = v
             count += 1
     return count
-
-
-@kernel
-def steepest_points(m, field, inverse, names, half, reach, target, strength):
-    """Find where along the normals of vertices the field changes most.
-
-    Parameters
-    ----------
-    m : MeshArrays
-    field, inverse
-        As in `propose`.
-    names : (n,) int32
-        The vertices.
-    half : float
-        Half the way in mm over which the change is taken.
-    reach : float
-        How far in mm to look to either side; 0: at the vertex itself only.
-    target : (V, 3) float64
-        Receives the places.
-    strength : (n,) float64
-        Receives the changes there; 0 where the field is not known.
-    """
-    steps = SAMPLES if reach > 0.0 else 0
-    for i in range(names.shape[0]):
-        v = np.int64(names[i])
-        n, _, _ = surround(m, v)
-        here = point(m, v)
-        strength[i] = 0.0
-        for axis in range(3):
-            target[v, axis] = here[axis]
-        # From the vertex outwards to both sides, so that of equal ones the nearest is taken.
-        for step in range(2 * steps + 1):
-            t = reach * ((step + 1) // 2) / max(steps, 1) * (1.0 if step % 2 else -1.0)
-            a, known_a = sample(
-                field,
-                inverse,
-                (here[0] + (t + half) * n[0], here[1] + (t + half) * n[1], here[2] + (t + half) * n[2]),
-            )
-            b, known_b = sample(
-                field,
-                inverse,
-                (here[0] + (t - half) * n[0], here[1] + (t - half) * n[1], here[2] + (t - half) * n[2]),
-            )
-            if known_a and known_b and abs(a - b) > strength[i]:
-                strength[i] = abs(a - b)
-                for axis in range(3):
-                    target[v, axis] = here[axis] + t * n[axis]

@@ -21,9 +21,8 @@ SIGN = 2  # direction of the last step
 AGE = 3  # steps since the window began
 BLOCKED = 4  # steps in a row that an obstacle forbade
 WISH = 5  # what would help a blocked vertex
-TRIES = 6  # geometric interpolations that have not brought it to rest
-RETURNS = 7  # verifications in a row that put it back
-COUNTER_COLUMNS = 8
+RETURNS = 6  # verifications in a row that put it back
+COUNTER_COLUMNS = 7
 
 # Values of MODE.
 AWAKE = 0

@@ -294,7 +294,7 @@ def step(m, cells, moves, batch, tick, state, counter, clear, field, inverse, al
         Mesh and its faces sorted by cell.
     moves, batch, tick
         As `_motion_kernels.displace` takes them.
-    state, counter : (V, 10) float64, (V, 8) int32
+    state, counter : (V, 10) float64, (V, 7) int32
     clear : (V,) int8
         1 for vertices that nothing can be in the way of soon.
     field, allowed : (I, J, K) float32, uint8

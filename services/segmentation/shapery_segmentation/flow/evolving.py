@@ -15,7 +15,7 @@ from shapery_segmentation.flow import _speed_kernels as speed
 from shapery_segmentation.flow import _state_kernels as states
 from shapery_segmentation.flow import _step_kernels as steps
 from shapery_segmentation.flow.edges import EdgeIndicator
-from shapery_segmentation.flow.interpolation import interpolated
+from shapery_segmentation.flow.interpolation import LEAST_TRUSTED, TRUSTED, contrasts, interpolated
 from shapery_segmentation.flow.params import FlowResult, FlowState, NormalFlowParams, StageRecord
 from shapery_segmentation.flow.threshold import median_inside
 from shapery_segmentation.flow.topology import reconnected, without_remains
@@ -58,11 +58,9 @@ LARGEST_RECONNECTIONS = 4
 CLEARLY_FLAT = 0.5
 """Edge indicator above which no edge parts two fronts; the gradient model has no other notion of what is object."""
 
-LARGEST_INTERPOLATIONS = 3
-"""Interpolations in one stage: what oscillates for ever is a case for aging."""
-
-LEAST_TRUSTED = 0.5
-"""Share of the vertices that must be at rest before the others are interpolated between them."""
+INTERPOLATIONS, PULLS = 4, 8
+"""Rounds of interpolation at the end, and moves of half an edge length in each: where much was wrong, faces crowd, and
+the mesh is mended in between."""
 
 HASTE = 5.0
 """Multiple of `NormalFlowParams.awake_share` at which a stage is over that is not the last: the next one goes on."""
@@ -139,8 +137,6 @@ class Evolution:
                 self._verify()
             if done % p.release_interval == 0:
                 self._release()
-            if done % p.interpolation_interval == 0 and p.interpolation_share is not None:
-                self._interpolate(p.interpolation_share, length)
             if done % p.remesh_interval == 0:
                 self._remesh(length)
             self._moves += awake
@@ -156,6 +152,8 @@ class Evolution:
                 rests = not self._reconnect(length) and rests
             if rests:
                 break
+        if stage == len(p.edge_lengths) - 1 and p.interpolation_share is not None and not self.vanished:
+            self._interpolate(p.interpolation_share, length)
         self._remesh(length)
         self.stages.append(
             StageRecord(
@@ -193,7 +191,7 @@ class Evolution:
         """Bring the mesh to the stage's edge length."""
         lengths = self.params.edge_lengths
         if stage and self._pinched and self._reconnect(lengths[stage - 1], lengths[stage]):
-            self._refinements = self._retreats = self._fruitless = self._changes = self._tries = 0
+            self._refinements = self._retreats = self._fruitless = self._changes = 0
             return
         mesh = self.mesh
         if stage:
@@ -214,7 +212,7 @@ class Evolution:
             self._state[:, states.SEEN : states.SEEN + 3] = mesh.arrays.points[:, :3]
             free = 0.5 * steps.FARTHER * mesh.edge_length * mesh.arrays.points[:, SCALE]
             self._state[:, states.FREE] = np.where(self._clear, free, 0.0)
-        self._refinements = self._retreats = self._fruitless = self._changes = self._tries = 0
+        self._refinements = self._retreats = self._fruitless = self._changes = 0
 
     def _take_up(self, rounds: int) -> None:
         """Bring the mesh, which is new or has a new edge length, to that length; every vertex begins anew."""
@@ -355,41 +353,27 @@ class Evolution:
         self._stale = True
 
     def _interpolate(self, share: float, length: float) -> None:
-        """Put the vertices that are not at rest between those that are, if too many of them oscillate (S8).
-
-        Those that oscillate again after that are put to rest where the field changes most along their normal.
-        """
+        """Put the vertices that the data do not hold between those that they do, if too many are such (S8)."""
         mesh = self.mesh
-        if self.oscillating <= share * mesh.vertex_count or self._tries == LARGEST_INTERPOLATIONS:
-            return
-        self._verify()
-        live, faces = mesh.live_faces()
-        counter = self._counter[live]
-        restless = counter[:, states.MODE] == states.AWAKE
-        if 1.0 - restless.mean() < LEAST_TRUSTED:
-            return
-        self._tries += 1
-        self.interpolations += 1
-        oscillating = restless & (counter[:, states.FLIPS] >= states.OSCILLATING)
-        strength = np.zeros(len(live))
-        half = 0.5 * length
-        repair.steepest_points(mesh.arrays, self.field, self.inverse, live, half, 0.0, self._target, strength)
-        weight = strength / max(float(strength[~restless].max()), 1e-30)
-        places = interpolated(mesh.arrays.points[live, :3], faces, ~restless, weight)
-        way = places - mesh.arrays.points[live, :3]
-        far = np.linalg.norm(way, axis=1, keepdims=True)
-        self._target[live] = mesh.arrays.points[live, :3] + way * np.minimum(1.0, length / np.maximum(far, 1e-30))
-
-        stopped = live[oscillating & (counter[:, states.TRIES] > 0)]
-        repair.steepest_points(
-            mesh.arrays, self.field, self.inverse, stopped, half, length, self._target, np.zeros(len(stopped))
-        )
-        self._counter[live[oscillating], states.TRIES] += 1
-        movers = live[restless]
-        self._move(movers)
-        self._counter[movers[:, None], (states.FLIPS, states.SIGN, states.AGE)] = 0
-        self._state[movers, states.NET] = 0.0
-        self._counter[stopped, states.MODE] = states.AGED
+        for _ in range(INTERPOLATIONS):
+            self._verify()
+            live, faces = mesh.live_faces()
+            points = mesh.arrays.points[live, :3]
+            weight = contrasts(points, faces, self.field, self.inverse, length)
+            trusted = weight >= TRUSTED
+            if not LEAST_TRUSTED <= trusted.mean() < 1.0 - share:
+                break
+            self.interpolations += 1
+            places, others = interpolated(points, faces, trusted, np.clip(weight, 0.0, 1.0))[~trusted], live[~trusted]
+            for _ in range(PULLS):
+                way = places - mesh.arrays.points[others, :3]
+                far = np.linalg.norm(way, axis=1, keepdims=True)
+                way *= np.minimum(1.0, 0.5 * length / np.maximum(far, 1e-30))
+                self._target[others] = mesh.arrays.points[others, :3] + way
+                self._move(others)
+            mesh.remesh(rounds=STAGE_ROUNDS)
+            self._make_room()
+            states.adopt_touched(mesh.arrays, self._state, self._counter, self._clear)
 
     def _update_threshold(self) -> bool:
         """Let the threshold follow what is inside; where it changed by more than a little, wake all, and tell so."""

@@ -28,7 +28,7 @@ vertices evenly and does not change the surface.
 How it ends
 -----------
 A vertex sleeps when its net way along the normal is small, wakes when its neighbours move, is stopped when it has
-changed its direction too often (S5), is interpolated between those at rest where too many oscillate (S8), and is frozen
+changed its direction too often (S5), and is frozen
 while another part of the surface is in its way (S4). Frozen vertices that guard a small feature get finer triangles;
 those on a thin piece that is not object collapse. The moves of one or two iterations are tested before they count
 where anything is near that they could meet, and in the end all of the surface is (see `shapery_segmentation.mesh`), so
@@ -36,6 +36,8 @@ what is returned is closed, manifold, oriented, and free of self-intersections, 
 genus, too, unless
 ``topology="adaptive"`` lets fronts that meet inside the object merge and necks outside of it split (see
 `shapery_segmentation.flow.topology`).
+
+Where the data show no border under the surface at rest, vertices are interpolated between those that have one (S8).
 
 A seed that lies in nothing shrinks until it is gone; that is told by ``vanished`` and is no error, because dropping
 false alarms this way is part of the method (3.5.1).

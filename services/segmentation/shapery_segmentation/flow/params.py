@@ -57,10 +57,8 @@ class NormalFlowParams:
     aging_limit
         Changes of direction in a row after which a vertex is stopped (S5); none: never.
     interpolation_share
-        Share of oscillating vertices above which those that are not at rest are interpolated between those that are
-        (S8, see `shapery_segmentation.flow.interpolation`); none: never.
-    interpolation_interval
-        Iterations between two such interpolations.
+        Share of the vertices without a border in the data under them above which they are interpolated between the
+        others in the end (S8, see `shapery_segmentation.flow.interpolation`); none: never.
     window, rest, stir
         A vertex sleeps that has moved less than `rest` edge lengths along its normal, net, in `window` iterations; one
         that has moved more than `stir` wakes its neighbours.
@@ -95,8 +93,7 @@ class NormalFlowParams:
     least_scale: float = 0.5
     damping: float = 0.5
     aging_limit: int | None = 6
-    interpolation_share: float | None = 0.1
-    interpolation_interval: int = 8
+    interpolation_share: float | None = 0.05
     window: int = 1
     rest: float = 0.01
     stir: float = 0.1
@@ -130,7 +127,7 @@ class NormalFlowParams:
             if not low <= value <= high:
                 raise ValueError(f"{name} must lie in [{low:g}, {high:g}], not {value}")
         counts = (
-            "threshold_interval", "interpolation_interval", "patience", "window", "remesh_interval",
+            "threshold_interval", "patience", "window", "remesh_interval",
             "release_interval", "max_iterations",
         )  # fmt: skip
         for name in counts:
