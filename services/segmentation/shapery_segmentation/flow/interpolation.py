@@ -11,6 +11,8 @@ oscillates is the steepest border, and what lies over lost data rests, so the tr
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -40,7 +42,11 @@ LEAST_WEIGHT = 0.1
 
 
 def contrasts(
-    points: FloatArray, faces: NDArray[np.int32], field: NDArray[np.float32], inverse: FloatArray, length: float
+    points: FloatArray,
+    faces: NDArray[np.int32],
+    field: NDArray[np.float32],
+    inverse: NDArray[np.floating[Any]],
+    length: float,
 ) -> FloatArray:
     """Return how much more there is of the field inside than outside at each vertex, in units of what is usual.
 
@@ -76,8 +82,8 @@ def contrasts(
             there = (start + side * step * way).T
             found -= side * ndimage.map_coordinates(field, there, order=1, mode="nearest")
     first, second = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-    mean = sparse.csr_array((np.ones(len(first)), (first, second)), shape=(len(points), len(points)))
-    mean = sparse.diags_array(1.0 / np.maximum(np.bincount(first, minlength=len(points)), 1)) @ mean
+    degree = np.maximum(np.bincount(first, minlength=len(points)), 1)
+    mean = sparse.csr_array((1.0 / degree[first], (first, second)), shape=(len(points), len(points)))
     for _ in range(SPREADS):
         found = 0.5 * (found + mean @ found)
     found *= 1.0 if np.median(found) >= 0.0 else -1.0
