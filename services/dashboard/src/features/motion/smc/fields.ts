@@ -1,6 +1,6 @@
 import type { Beside } from "./borders";
 import { LinkWeights, type Outside, type PairingTree } from "./pairing";
-import { BINS, bits, type RangeDecoder } from "./rangeCoder";
+import { BINS, type RangeDecoder } from "./rangeCoder";
 import { Trellis } from "./trellis";
 
 /** How many contexts there are of each kind, and where each kind begins: section 5.2 of api_schema/smc.md. */
@@ -13,8 +13,9 @@ export const FIELD_ROWS = 24;
 
 export function scale(x: number): number {
   if (x < 6) return x;
-  const length = bits(x);
-  return Math.min(2 * length + (Math.floor(x / 2 ** (length - 2)) & 1), 15);
+  if (x >= 256) return 15;
+  const length = 32 - Math.clz32(x);
+  return Math.min(2 * length + ((x >> (length - 2)) & 1), 15);
 }
 
 /** After how many modes links are weighted anew; the first edition of the stream knows the first number only. */
@@ -82,7 +83,8 @@ export function decodeFields(
       stiffness += shareB * u;
     }
     if (outside) {
-      const [a, b] = [children[2 * pair] as number, children[2 * pair + 1] as number];
+      const a = children[2 * pair] as number;
+      const b = children[2 * pair + 1] as number;
       if ((outside.weights[a] as number) > 0) {
         const u = shareA * (outside.weights[a] as number);
         pull += u * ((outside.means[a] as number) - center);
@@ -154,7 +156,9 @@ export function decodeFields(
         const plain = gain * optimum(pair, center);
         const trust = (agreed[depth] as number) / (tried[depth] as number);
         const guess = outside ? plain * Math.min(Math.max(trust, 0), 1.3) : plain;
-        let [near, count, past] = [0, 0, 0];
+        let near = 0;
+        let count = 0;
+        let past = 0;
         const begin = linkStarts[2 * pair] ?? 0;
         const end = linkStarts[2 * pair + 2] ?? 0;
         for (let e = begin; e < end; e += 1) {
@@ -167,14 +171,16 @@ export function decodeFields(
         }
         const width = end - begin;
         const up = now[parents[n + pair] ?? 0] ?? 0;
-        const [e1 = 0, e2 = 0, e3 = 0] = [e1s[pair], e2s[pair], e3s[pair]];
+        const e1 = e1s[pair] as number;
+        const e2 = e2s[pair] as number;
+        const e3 = e3s[pair] as number;
         const beside = count > 0 ? scale(Math.floor((4 * near) / count)) : 15;
         const prior = width > 0 ? scale(Math.floor((4 * past) / width)) : 0;
         const mean = scale(Math.floor((running[depth] ?? 0) / 16));
         const around = count > 0 ? Math.floor((8 * near) / count) : 4 * up;
         let long = 0;
         if (dependent && earlier.length) {
-          for (const mode of earlier) long += mode[pair] ?? 0;
+          for (let k = 0; k < earlier.length; k += 1) long += (earlier[k] as Int32Array)[pair] as number;
           long = Math.floor((8 * long) / earlier.length);
         }
         const blend = scale(Math.floor(around / 4) + up + e1 + Math.floor(e2 / 2) + Math.floor(long / 8));

@@ -76,15 +76,24 @@ function decodeCoefficients(
   const { contexts } = decoder;
   const context = (kind: number, at: number) => (contexts[kind] = (BASES[kind] ?? 0) + at + trellis.odd * CONTEXTS);
   const running = new Float64Array(20);
+  const wholes = new Int32Array(rank * frames);
+  const memory = new Float64Array(frames);
   for (let mode = 0; mode < rank; mode += 1) {
     for (let b = 0; b < 20; b += 1) running[b] = mode === 0 ? 64 : Math.floor(((running[b] ?? 0) + 64) / 2);
     trellis.restart();
+    // Of each frequency of all runs: the magnitudes of up to eight modes before, all axes together.
+    const past = Math.min(mode, 8);
+    for (let at = 0; at < frames; at += 1) {
+      let total = 0;
+      for (let i = mode - past; i < mode; i += 1) total += wholes[i * frames + at] as number;
+      memory[at] = total;
+    }
     let first = 0;
     for (const length of runs) {
       /** The magnitude of mode `i` at frequency `f` of this run; 0 where there is none. */
       const size = (i: number, f: number, axis: number) =>
         i < 0 || f < 0 || f >= length ? 0 : Math.abs(q[(i * frames + first + f) * 3 + axis] ?? 0);
-      const whole = (i: number, f: number) => size(i, f, 0) + size(i, f, 1) + size(i, f, 2);
+      const whole = (i: number, f: number) => (i < 0 || f >= length ? 0 : (wholes[i * frames + first + f] as number));
       const sign = (f: number, axis: number) => {
         const value = f < 0 ? 0 : (q[(mode * frames + first + f) * 3 + axis] ?? 0);
         return value > 0 ? 1 : value < 0 ? 2 : 0;
@@ -94,7 +103,8 @@ function decodeCoefficients(
         for (let x = 0; x < 3; x += 1) {
           const low1 = size(mode, f - 1, x);
           const low2 = size(mode, f - 2, x);
-          let [beside, around] = [0, 0];
+          let beside = 0;
+          let around = 0;
           for (let y = 0; y < x; y += 1) beside += size(mode, f, y);
           for (let y = x; y < 3; y += 1) around += size(mode, f - 1, y);
           const e1 = size(mode - 1, f, x);
@@ -110,9 +120,10 @@ function decodeCoefficients(
           let sum = 2 * low1 + low2 + 2 * beside + around + e1 + all1 + Math.floor(all2 / 2) + Math.floor(ahead / 2);
           let long = 0;
           if (dependent && mode > 0) {
-            const many = Math.min(mode, 8);
-            for (let i = mode - many; i < mode; i += 1) long += 2 * whole(i, f) + whole(i, f - 1) + whole(i, f + 1);
-            long = Math.floor(long / (3 * many));
+            long = 2 * (memory[first + f] as number);
+            if (f > 0) long += memory[first + f - 1] as number;
+            if (f + 1 < length) long += memory[first + f + 1] as number;
+            long = Math.floor(long / (3 * past));
             sum += Math.floor(long / 2);
           }
           const blend = scale(Math.floor(sum / 2));
@@ -130,6 +141,7 @@ function decodeCoefficients(
           const value = decoder.value(rows + Math.min(Math.floor(at / 2), 7), rows + 8 + blend, slot);
           q[(mode * frames + first + f) * 3 + x] = value;
           levels[(mode * frames + first + f) * 3 + x] = trellis.level(value);
+          wholes[mode * frames + first + f] = (wholes[mode * frames + first + f] as number) + Math.abs(value);
           const m = running[at] ?? 0;
           running[at] = m + Math.floor((256 * Math.abs(value) - 4 * m + 32) / 64);
         }

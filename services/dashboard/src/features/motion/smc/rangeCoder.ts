@@ -44,6 +44,7 @@ export class RangeDecoder {
   readonly #weights: Float64Array;
   readonly #pace: number;
   readonly #logits = new Int32Array(CONTEXTS);
+  readonly #slots = new Int32Array(CONTEXTS);
   /** The contexts of the next `value`. */
   readonly contexts = new Int32Array(CONTEXTS);
 
@@ -80,9 +81,11 @@ export class RangeDecoder {
   }
 
   #learn(slot: number, bit: number): void {
-    const p = this.#probabilities[slot] ?? HALF;
-    const count = this.#counts[slot] ?? 0;
-    this.#probabilities[slot] = p + Math.floor(((bit ? 65535 - p : -p) * (RATES[count] ?? 0)) / 65536);
+    const p = this.#probabilities[slot] as number;
+    const count = this.#counts[slot] as number;
+    const rate = RATES[count] as number;
+    // Products stay below 2^32: shifts round down as the specification does.
+    this.#probabilities[slot] = bit ? p + (((65535 - p) * rate) >>> 16) : p - ((p * rate + 65535) >>> 16);
     if (count < 250) this.#counts[slot] = count + 1;
   }
 
@@ -118,28 +121,33 @@ export class RangeDecoder {
   #mixed(offset: number, rowA: number, rowB: number): number {
     const weights = this.#weights;
     const logits = this.#logits;
+    const slots = this.#slots;
+    const contexts = this.contexts;
+    const probabilities = this.#probabilities;
     const u = (rowA * BINS + offset) * 9;
     const v = (rowB * BINS + offset) * 9;
-    let sum = ((weights[u + 8] ?? 0) + (weights[v + 8] ?? 0)) * 256;
+    let sum = ((weights[u + 8] as number) + (weights[v + 8] as number)) * 256;
     for (let k = 0; k < CONTEXTS; k += 1) {
-      const slot = (this.contexts[k] ?? 0) * BINS + offset;
-      const logit = STRETCH[(this.#probabilities[slot] ?? HALF) >> 4] ?? 0;
+      const slot = (contexts[k] as number) * BINS + offset;
+      const logit = STRETCH[(probabilities[slot] as number) >> 4] as number;
+      slots[k] = slot;
       logits[k] = logit;
-      sum += ((weights[u + k] ?? 0) + (weights[v + k] ?? 0)) * logit;
+      sum += ((weights[u + k] as number) + (weights[v + k] as number)) * logit;
     }
     const x = Math.min(Math.max(Math.floor(sum / 65536), -2048), 2047);
-    const p = Math.min(Math.max(SQUASH[x + 2048] ?? HALF, 32), 65504);
+    const p = Math.min(Math.max(SQUASH[x + 2048] as number, 32), 65504);
     const bit = this.#decode(p);
     const e = ((bit ? 65536 : 0) - p) * this.#pace;
+    // Logits are below 2^11 and errors below 2^20: the products fit 32 bits.
     for (let k = 0; k < CONTEXTS; k += 1) {
-      const g = Math.floor(((logits[k] ?? 0) * e + 524288) / 1048576);
-      weights[u + k] = (weights[u + k] ?? 0) + g;
-      weights[v + k] = (weights[v + k] ?? 0) + g;
-      this.#learn((this.contexts[k] ?? 0) * BINS + offset, bit);
+      const g = ((logits[k] as number) * e + 524288) >> 20;
+      weights[u + k] = (weights[u + k] as number) + g;
+      weights[v + k] = (weights[v + k] as number) + g;
+      this.#learn(slots[k] as number, bit);
     }
-    const g = Math.floor((256 * e + 524288) / 1048576);
-    weights[u + 8] = (weights[u + 8] ?? 0) + g;
-    weights[v + 8] = (weights[v + 8] ?? 0) + g;
+    const g = (256 * e + 524288) >> 20;
+    weights[u + 8] = (weights[u + 8] as number) + g;
+    weights[v + 8] = (weights[v + 8] as number) + g;
     return bit;
   }
 
