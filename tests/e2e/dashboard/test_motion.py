@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from shapery_geometry.sequence import write_sequence_npz
 from tests.e2e.dashboard.conftest import OpenPage
-from tests.e2e.dashboard.test_accessibility import AXE, overflow, serious
+from tests.e2e.dashboard.test_accessibility import AXE, check_open_to_everyone, overflow, serious
 from tests.support.browser import keep_picture, picture, until
 
 pytestmark = [pytest.mark.server, pytest.mark.browser]
@@ -187,6 +187,25 @@ def test_it_plays(open_page: OpenPage, encoded: dict[str, Any], record_property:
     record_property("frames_per_second", (len(drawn) - 1) / ((drawn[-1] - drawn[0]) / 1000))
     # The controls follow some times a second.
     assert page.evaluate("window.told.size") > 3
+
+
+def test_what_comes_slowly_is_waited_for_and_called_off_with_its_page(
+    open_page: OpenPage, encoded: dict[str, Any]
+) -> None:
+    """A file that does not come: the page says so, and stops asking for it when somebody goes elsewhere."""
+    page = open_page("/jobs")
+    page.watch.allowed.append("net::ERR_ABORTED")
+    page.route("**/artifacts/motion.smc", lambda route: None)
+    with page.expect_request("**/artifacts/motion.smc"):
+        page.locator(f"tr[data-job='{encoded['id']}']").get_by_role("link").first.click()
+    viewer = page.locator("section[aria-label=Motion][data-status=loading]")
+    viewer.get_by_role("status").get_by_text("Loading the motion…").wait_for()
+    check_open_to_everyone(page)
+    with page.expect_event("requestfailed", lambda request: request.url.endswith("/motion.smc")):
+        page.get_by_role("link", name="Jobs", exact=True).first.click()
+    page.unroute("**/artifacts/motion.smc")
+    page.go_back()
+    canvas(page)
 
 
 def test_another_quality_is_a_new_job(open_page: OpenPage, encoded: dict[str, Any], api: httpx.Client) -> None:

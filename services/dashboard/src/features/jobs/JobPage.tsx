@@ -23,7 +23,7 @@ import { Expired } from "./Expired";
 import { JobActions } from "./JobActions";
 import { JobFacts } from "./JobFacts";
 import classes from "./jobs.module.css";
-import { jobName, mainInput, workName } from "./naming";
+import { jobName, mainInput, secondsSpent, workName } from "./naming";
 import { StagePath } from "./StagePath";
 import { StageTimes } from "./StageTimes";
 import { StateBadge } from "./StateBadge";
@@ -102,17 +102,17 @@ function again(job: Job): { post?: string; pre?: string; vessels?: string } {
 
 function Lead({ job }: { job: Job }) {
   const now = useNow(isTerminal(job.state) ? 30_000 : 1_000);
-  const ended = job.finished_at ? Date.parse(job.finished_at) : now;
+  const spent = secondsSpent(job, now);
   const parts = [
     <span key="created" title={moment(job.created_at)}>
       created {ago(job.created_at, now)}
     </span>,
   ];
-  if (job.started_at) {
+  if (spent !== null) {
     const word = job.finished_at ? "took" : "running for";
     parts.push(
       <span key="took">
-        {word} {duration((ended - Date.parse(job.started_at)) / 1000)}
+        {word} {duration(spent)}
       </span>,
     );
   }

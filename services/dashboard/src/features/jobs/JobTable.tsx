@@ -6,7 +6,7 @@ import { useNow } from "@/app/useNow";
 import { ago, capital, duration, moment, percent } from "@/format/format";
 import { JobActions } from "./JobActions";
 import classes from "./jobs.module.css";
-import { jobName, outcome, workName } from "./naming";
+import { jobName, outcome, secondsSpent, workName } from "./naming";
 import { type Column, reordered, sortOf } from "./sorting";
 import { StateBadge } from "./StateBadge";
 
@@ -75,7 +75,7 @@ function Head({ by, label, order, onOrder, ...others }: HeadProps) {
 }
 
 function JobRow({ job, name, now }: { job: Job; name: string; now: number }) {
-  const ended = job.finished_at ? Date.parse(job.finished_at) : now;
+  const spent = secondsSpent(job, now);
   return (
     <Table.Tr data-job={job.id} className={classes.row ?? ""}>
       <Table.Td>
@@ -105,7 +105,7 @@ function JobRow({ job, name, now }: { job: Job; name: string; now: number }) {
         <Outcome job={job} name={name} />
       </Table.Td>
       <Table.Td visibleFrom="md">
-        <Text size="sm">{job.started_at ? duration((ended - Date.parse(job.started_at)) / 1000) : "–"}</Text>
+        <Text size="sm">{spent === null ? "–" : duration(spent)}</Text>
       </Table.Td>
       <Table.Td visibleFrom="md">
         <Text size="sm" c="dimmed" title={moment(job.created_at)}>

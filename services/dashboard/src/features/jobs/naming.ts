@@ -26,6 +26,12 @@ export function jobName({ id, name }: Pick<Job, "id" | "name">): string {
   return name || `Job ${id.slice(-8)}`;
 }
 
+/** Seconds that a job has been worked on; null where nobody has begun, or where it waits to be tried again. */
+export function secondsSpent({ state, started_at: began, finished_at: ended }: Job, now: number): number | null {
+  if (!began || state === "queued") return null;
+  return ((ended ? Date.parse(ended) : now) - Date.parse(began)) / 1000;
+}
+
 /** What came out of a job, in a few words. */
 export function outcome(job: Job): string {
   if (job.expired) return "The results have expired";
