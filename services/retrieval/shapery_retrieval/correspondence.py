@@ -65,8 +65,8 @@ class SampledSurface:
         Geodesic distances between them, in units.
     unit
         Of the distances, over the mean distance.
-    reach : (s,) uint8
-        How far off those around each lie, in these units.
+    around : (s, a) int32
+        The nearest to each, itself among them.
     gathered : (c,) float32
         Share of the surface that is nearest to each of the first ones.
     parts
@@ -80,7 +80,7 @@ class SampledSurface:
     squares: Array32
     distances: NDArray[np.uint8]
     unit: np.float32
-    reach: NDArray[np.uint8]
+    around: NDArray[np.int32]
     gathered: Array32
     parts: tuple[tuple[NDArray[np.int64], int], ...]
 
@@ -98,7 +98,7 @@ def surface_of(arg: Arg) -> SampledSurface:
     sides = arg.whole["patch_sides"] * side
     bare = np.append(arg.whole["patch_distances"], np.uint8(0))
     distances = bare[_places(s)]
-    coarse, around = min(s, COARSE), min(s, AROUND) - 1
+    coarse = min(s, COARSE)
     gathered = np.bincount(np.argmin(distances[:, :coarse], axis=1), masses, coarse)
     numbers = finest
     parts: list[tuple[NDArray[np.int64], int]] = []
@@ -113,7 +113,7 @@ def surface_of(arg: Arg) -> SampledSurface:
         np.einsum("sf,sf->s", known, known) + np.einsum("sf,sf->s", sides, sides),
         distances,
         np.float32(arg.whole["patch_reach"][0] / 255),
-        np.partition(distances, around, axis=1)[:, around],
+        np.argsort(distances, axis=1, kind="stable")[:, :AROUND].astype(np.int32),
         gathered.astype(np.float32),
         tuple(parts),
     )
@@ -159,8 +159,10 @@ def lay(query: SampledSurface, other: SampledSurface, *, relaxed: bool = False) 
     """
     plan = np.empty((len(query.masses), len(other.masses)), dtype=np.float32)
     kernels.lay(
-        query.masses, query.known, query.sides, query.squares, query.distances, query.unit, query.reach, query.gathered,
-        other.masses, other.known, other.sides, other.squares, other.distances, other.unit, other.reach, other.gathered,
+        query.masses, query.known, query.sides, query.squares,
+        query.distances, query.unit, query.around, query.gathered,
+        other.masses, other.known, other.sides, other.squares,
+        other.distances, other.unit, other.around, other.gathered,
         ALPHA, WARM, EPSILON, OUTER, ROUNDS, FINE_EPSILON, MIRRORED, relaxed, plan,
     )  # fmt: skip
     return plan
