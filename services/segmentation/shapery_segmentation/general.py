@@ -5,7 +5,8 @@ What the object is follows from the data around the seed:
 1. **Region.** For every voxel, the tolerance around the seed's intensity at which a path from the seed reaches it (a
    minimax path). As the tolerance grows, the region fills the object, then stays nearly as it is while the tolerance
    passes through the border, then leaks. The region at the stillest of these places is the object, roughly: an extremal
-   region that is maximally stable (Matas et al., 2004), but around the seed's intensity and to both sides of it.
+   region that is maximally stable (Matas et al., 2004), but around the seed's intensity and to both sides of it. Within
+   a box, what surrounds the box and the middle of it compete for the voxels instead (`competition`).
 2. **Polarity.** The voxels around the region tell what the object borders on: darker tissue, brighter, or both. The
    border lies half-way to each, where partial volume puts it.
 3. **Flow.** U is the distance to the nearer of these borders in units of the noise, positive inside; the density gate
@@ -34,6 +35,7 @@ from shapery_geometry.intersections import self_intersections
 from shapery_geometry.rasterize import rasterize
 from shapery_geometry.volume import Volume
 from shapery_segmentation._flood_kernels import flood
+from shapery_segmentation.competition import compete
 from shapery_segmentation.evolution import Recorder, Scene
 from shapery_segmentation.flow.normal import FlowState, NormalFlowParams, normal_flow
 from shapery_segmentation.gate import REACH, dense
@@ -64,8 +66,14 @@ LEAST_TOLERANCE = 2.0
 LEAST_REGION = 27
 """Voxels below which a region is the seed's own noise."""
 
-LARGEST_REGION, LARGEST_IN_BOX = 0.4, 0.9
-"""Share of the volume, and of the user's box, above which a region is the background."""
+LARGEST_REGION = 0.25
+"""Share of the volume above which what is found around a seed is its surroundings; a box may hold more."""
+
+LARGEST_CONTEST = 250_000
+"""Voxels of a box that compete; of a larger box, averages do."""
+
+GIVE = 2.0
+"""Voxels around the region in a box within which the flow looks for the border."""
 
 CALM = 0.25
 """Growth (logarithm of the volume) across one step of `STILL` below which a region counts as still."""
@@ -182,7 +190,10 @@ def recover_object(
     step = max(max(canonical.spacing), (canonical.data.size / LARGEST_SEARCH) ** (1 / 3) * min(canonical.spacing))
     coarse = averaged(canonical, step) if canonical.data.size > LARGEST_SEARCH else canonical
     check_cancelled()
-    region, noise = _still_region(coarse, target)
+    if target.box is None:
+        region, noise = _still_region(coarse, target)
+    else:
+        region, noise = _contested_region(coarse, target.box, target.seed)
     check_cancelled()
     box = box_around(region, region.shape, MARGIN)
     part = Volume(np.ascontiguousarray(coarse.data[box]), _shifted(coarse.affine, [s.start for s in box]))
@@ -190,7 +201,7 @@ def recover_object(
     if coarse is not canonical:
         part, inside = _refined(canonical, part, inside)
     spacing = float(part.voxel_volume ** (1 / 3))
-    usable = None if target.box is None else _in_box(part, target.box)
+    usable = None if target.box is None else _in_box(part, target.box) & within(inside, GIVE)
     field, polarity, contrast = _borders(part, inside, noise)
     object_voxels, allowed = _gated(field, inside, usable)
     check_cancelled()
@@ -225,6 +236,11 @@ def recover_object(
         raise _nothing(target.seed, "the surface that started there shrank to nothing")
     source = Volume(np.broadcast_to(np.zeros((), np.uint8), volume.shape), volume.affine)
     filled = rasterize(flow.mesh, source)
+    if target.box is None and np.count_nonzero(filled) > LARGEST_REGION * filled.size:
+        share = 100.0 * np.count_nonzero(filled) / filled.size
+        raise _nothing(
+            target.seed, f"the surface that started there ran into its surroundings, {share:.0f} % of the volume"
+        )
     whole = ndimage.binary_fill_holes(filled)
     notes = [] if target.box is not None or object_voxels[_nearest(part, target.seed)] else [ELSEWHERE]
     if _touches_border(filled):
@@ -253,35 +269,25 @@ def recover_object(
 def _still_region(volume: Volume, target: Target) -> tuple[BoolArray, float]:
     """Return the stillest region around the seed, and the noise there."""
     seed = np.array(_nearest(volume, target.seed))
-    usable = np.ones(volume.shape, dtype=np.bool_)
-    if target.box is not None:
-        usable = _in_box(volume, target.box)
-        corners = np.argwhere(usable)
-        seed = np.clip(seed, corners[0], corners[-1])
     smooth = _smoothed(volume)
-    around = tuple(slice(max(int(s) - 3 * NEARBY, 0), int(s) + 3 * NEARBY + 1) for s in seed)
-    middle = tuple(
-        slice(max(int(s) - b.start - NEARBY, 0), int(s) - b.start + NEARBY + 1)
-        for s, b in zip(seed, around, strict=True)
-    )
-    noise = _noise(smooth[around], middle)
+    noise = _noise_around(smooth, seed)
     here = tuple(slice(max(int(s) - 1, 0), int(s) + 2) for s in seed)
     centre = float(np.median(smooth[here]))
-    spread = float(np.percentile(np.abs(smooth[usable] - centre), 99.0))
+    spread = float(np.percentile(np.abs(smooth - centre), 99.0))
     if not spread > 0:
         raise _nothing(target.seed, "everything around has the same intensity")
     noise = max(noise, spread / (LEVELS * FINENESS))
-    most = int((LARGEST_REGION if target.box is None else LARGEST_IN_BOX) * usable.sum())
+    most = int(LARGEST_REGION * smooth.size)
     for _ in range(2):
         tolerance = np.abs(smooth - np.float32(centre)) / np.float32(noise)
         # Without the bridges that lead to like neighbours; where the object is thin itself, with them.
         for bridge in (BRIDGE, 0.0):
             cut = np.minimum(tolerance, np.float32(DEEPEST)) if bridge else tolerance
             wide = ndimage.gaussian_filter(cut, bridge, mode="nearest") if bridge else cut
-            cost = np.where(usable, np.minimum(wide / FINENESS, LEVELS - 1), LEVELS).astype(np.uint16)
+            cost = np.minimum(wide / FINENESS, LEVELS - 1).astype(np.uint16)
             level = np.full(volume.shape, np.iinfo(np.uint16).max, dtype=np.uint16)
             counts = np.zeros(LEVELS, dtype=np.int64)
-            flood(cost, seed[None].astype(np.int64), int(usable.sum()), level, counts)
+            flood(cost, seed[None].astype(np.int64), smooth.size, level, counts)
             stillest = _stillest(np.cumsum(counts), most)
             if stillest is not None:
                 break
@@ -290,7 +296,7 @@ def _still_region(volume: Volume, target: Target) -> tuple[BoolArray, float]:
         region = np.asarray(level <= stillest)
         if bridge:
             # Back to where the averaging began: as far as the object itself goes on.
-            near = within(region, 2.0 * BRIDGE) & usable
+            near = within(region, 2.0 * BRIDGE)
             region |= near & (tolerance < max(REGROWN, float(stillest) * FINENESS))
         # A single voxel's noise must not be the centre: once more from the median of what was found.
         again = float(np.median(smooth[region]))
@@ -298,6 +304,40 @@ def _still_region(volume: Volume, target: Target) -> tuple[BoolArray, float]:
             break
         centre = again
     return region, noise
+
+
+def _contested_region(volume: Volume, box: NDArray[np.float64], seed: NDArray[np.float64]) -> tuple[BoolArray, float]:
+    """Return the region in a box that its surroundings do not win, and the noise there."""
+    usable = _in_box(volume, box)
+    corners = np.argwhere(usable)
+    middle = np.clip(np.array(_nearest(volume, seed)), corners[0], corners[-1])
+    smooth = _smoothed(volume)
+    spread = float(np.ptp(np.percentile(smooth[usable], (1.0, 99.0))))
+    if not spread > 0:
+        raise _nothing(seed, "everything in the box has the same intensity")
+    noise = max(_noise_around(smooth, middle), spread / (LEVELS * FINENESS))
+    share = float(np.count_nonzero(usable)) / LARGEST_CONTEST
+    coarse = averaged(volume, share ** (1 / 3) * max(volume.spacing)) if share > 1.0 else volume
+    likely = compete(np.asarray(coarse.data, dtype=np.float32), _in_box(coarse, box))
+    if coarse is not volume:
+        likely = Volume(likely, coarse.affine).resampled_to(volume, fill=0.0).data
+    labels, _ = ndimage.label((likely > 0.5) & usable)
+    sizes = np.bincount(labels.ravel())
+    sizes[0] = 0
+    own = int(labels[tuple(middle)]) or int(sizes.argmax())
+    if sizes[own] < LEAST_REGION:
+        raise _nothing(seed, "what surrounds the box looks as what is in it does")
+    return np.asarray(labels == own), noise
+
+
+def _noise_around(smooth: FloatArray, seed: NDArray[np.int64]) -> float:
+    """Return the noise around a voxel."""
+    around = tuple(slice(max(int(s) - 3 * NEARBY, 0), int(s) + 3 * NEARBY + 1) for s in seed)
+    middle = tuple(
+        slice(max(int(s) - b.start - NEARBY, 0), int(s) - b.start + NEARBY + 1)
+        for s, b in zip(seed, around, strict=True)
+    )
+    return _noise(smooth[around], middle)
 
 
 def _stillest(volume: NDArray[np.int64], most: int) -> int | None:

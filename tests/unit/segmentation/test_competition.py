@@ -1,0 +1,45 @@
+"""Whose the voxels of a box are: the object's in its middle, or its surroundings'."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shapery_geometry.mask_metrics import intersection_over_union
+from shapery_segmentation.competition import compete
+
+
+def ball(center: tuple[float, float, float], radius: float) -> np.ndarray:
+    at = np.moveaxis(np.indices((30, 30, 30)), 0, -1)
+    return np.asarray(np.linalg.norm(at - center, axis=-1) < radius)
+
+
+def box_of(mask: np.ndarray) -> np.ndarray:
+    index = np.argwhere(mask)
+    box = np.zeros(mask.shape, dtype=np.bool_)
+    box[tuple(slice(a, b + 1) for a, b in zip(index.min(axis=0), index.max(axis=0), strict=True))] = True
+    return box
+
+
+def test_a_ball_in_its_box_is_told_from_both_sides() -> None:
+    truth = ball((14.0, 15.0, 13.0), 7.0)
+    noise = np.random.default_rng(0).normal(0.0, 0.2, truth.shape)
+    for sign in (1.0, -1.0):
+        likely = compete((sign * truth + noise).astype(np.float32), box_of(truth))
+        assert likely.min() >= 0.0
+        assert likely.max() <= 1.0
+        assert not likely[~box_of(truth)].any()
+        assert intersection_over_union(likely > 0.5, truth) > 0.95
+
+
+def test_a_neighbour_of_the_same_intensity_is_left_outside() -> None:
+    truth, other = ball((10.0, 15.0, 15.0), 7.0), ball((23.0, 15.0, 15.0), 7.0)
+    values = (truth | other) + np.random.default_rng(1).normal(0.0, 0.2, truth.shape)
+    likely = compete(values.astype(np.float32), box_of(truth))
+    assert intersection_over_union(likely > 0.5, truth) > 0.9
+
+
+def test_values_that_tell_nothing_leave_the_expectation() -> None:
+    box = box_of(ball((15.0, 15.0, 15.0), 8.0))
+    found = compete(np.zeros(box.shape, dtype=np.float32), box) > 0.5
+    assert found[15, 15, 15]
+    assert not found[box.nonzero()[0].min(), box.nonzero()[1].min(), box.nonzero()[2].min()]
