@@ -121,3 +121,42 @@ def fill(mask: Array, queue: Array, count: int, out: Array) -> None:
                 reached[beside] = True
                 queue[count] = beside
                 count += 1
+
+
+@njit(cache=True, nogil=True)
+def keep_large(chosen: Array, left: Array, least: float, out: Array) -> None:
+    """Write the parts of a mask, connected through 26 neighbours, of at least `least` voxels.
+
+    Parameters
+    ----------
+    chosen : (n,) int64
+        Flat indices of the mask's voxels. The time is that of looking at their neighbours.
+    left : (I, J, K) bool
+        The mask; emptied.
+    least : float
+    out : (I, J, K) bool
+        Receives the parts.
+    """
+    nx, ny, nz = left.shape
+    queue = np.empty(chosen.shape[0], np.int64)
+    for n in range(chosen.shape[0]):
+        i, j, k = chosen[n] // (ny * nz), (chosen[n] // nz) % ny, chosen[n] % nz
+        if not left[i, j, k]:
+            continue
+        left[i, j, k] = False
+        queue[0] = chosen[n]
+        done, size = 0, 1
+        while done < size:
+            i, j, k = queue[done] // (ny * nz), (queue[done] // nz) % ny, queue[done] % nz
+            done += 1
+            for a in range(max(i - 1, 0), min(i + 2, nx)):
+                for b in range(max(j - 1, 0), min(j + 2, ny)):
+                    for c in range(max(k - 1, 0), min(k + 2, nz)):
+                        if left[a, b, c]:
+                            left[a, b, c] = False
+                            queue[size] = (a * ny + b) * nz + c
+                            size += 1
+        if size >= least:
+            for done in range(size):
+                i, j, k = queue[done] // (ny * nz), (queue[done] // nz) % ny, queue[done] % nz
+                out[i, j, k] = True

@@ -58,6 +58,13 @@ def connected(mask: BoolArray, start: BoolArray) -> BoolArray:
     return out
 
 
+def without_small(mask: BoolArray, least: float) -> BoolArray:
+    """Return `mask` without its parts, connected through faces, edges or corners, of less than `least` voxels."""
+    out = np.zeros(mask.shape, dtype=np.bool_)
+    kernels.keep_large(np.flatnonzero(mask), np.array(mask), least, out)
+    return out
+
+
 def box_around(mask: BoolArray, shape: tuple[int, ...], margin: int) -> tuple[slice, slice, slice]:
     """Return the box around `mask` with `margin` voxels on all sides, cut to `shape`; all of it for an empty mask."""
     bounds = []

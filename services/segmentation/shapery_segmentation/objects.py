@@ -261,7 +261,7 @@ def flow_start(brain: Brain, calibration: Calibration, region: Region, params: S
         field=np.ascontiguousarray(calibration.field[region.box]),
         allowed=region.allowed,
         affine=affine,
-        seed=surface_of(ball, to_ball),
+        seed=surface_of(ball, to_ball, even=True),
         threshold=region.threshold,
         params=NormalFlowParams(
             edge_lengths=(coarse * edge, edge),

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
+from shapery_geometry.intersections import self_intersections
 from shapery_geometry.rasterize import rasterize
 from shapery_geometry.volume import Volume
 from shapery_segmentation.seeding.ball import ball_inside, surface_of
@@ -56,6 +57,42 @@ def test_surface_of_any_voxels_is_a_closed_manifold() -> None:
     assert mesh.closed
     assert mesh.manifold
     assert mesh.oriented
+
+
+@pytest.mark.parametrize("density", [0.15, 0.4, 0.7])
+def test_an_even_surface_has_the_topology_of_the_full_one(density: float) -> None:
+    rng = np.random.default_rng(6)
+    for voxels in (rng.random((12, 13, 11)) < density, noise(5), noise(6)[:9, :9, :9]):
+        full, even = surface_of(voxels, np.eye(4)), surface_of(voxels, np.eye(4), even=True)
+        assert even.closed
+        assert even.manifold
+        assert even.oriented
+        assert even.euler_characteristic == full.euler_characteristic
+        assert even.component_count == full.component_count
+        assert len(even.vertices) <= len(full.vertices)
+
+
+def test_an_even_surface_is_made_of_few_triangles_of_one_size() -> None:
+    voxels = sphere((25, 25, 25), 9.0)
+    full, even = surface_of(voxels, np.eye(4)), surface_of(voxels, np.eye(4), even=True)
+    assert len(even.faces) < 0.4 * len(full.faces)
+    assert even.edge_lengths.min() > 0.4
+    assert even.edge_lengths.max() < 2.4
+    assert len(self_intersections(even)) == 0
+    # Between the voxels inside and their neighbours outside, a little nearer to the inside where it is convex.
+    radii = np.linalg.norm(even.vertices - 12.0, axis=1)
+    assert radii.min() > 8.2
+    assert radii.max() < 9.6
+
+
+@pytest.mark.parametrize("even", [False, True])
+def test_the_surface_lies_where_the_level_vanishes(even: bool) -> None:
+    index = np.stack(np.meshgrid(*(np.arange(24),) * 3, indexing="ij"), axis=-1)
+    level = (8.3 - np.linalg.norm(index - 11.5, axis=-1)).astype(np.float32)
+    mesh = surface_of(level > 0, np.eye(4), even=even, level=level)
+    radii = np.linalg.norm(mesh.vertices - 11.5, axis=1)
+    # It keeps a tenth of the way between two voxels from both.
+    assert np.abs(radii - 8.3).max() < 0.1 * np.sqrt(3.0)
 
 
 def test_surface_encloses_exactly_the_voxels_in_any_frame() -> None:

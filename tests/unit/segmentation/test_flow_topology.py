@@ -46,10 +46,9 @@ def test_two_seeds_in_one_dumbbell(topology: Topology) -> None:
     result = normal_flow(field, None, affine, seed, replace(COARSE, topology=topology), threshold=0.0)
     assert_sound(result, parts=1 if topology == "adaptive" else 2)
     assert result.converged
-    inside = rasterize(result.mesh, Volume(field, affine))
-    seam = (field > 0) & ~inside & (np.abs(points[..., 0]) < 4.0) & (np.hypot(points[..., 1], points[..., 2]) < 2.0)
+    x, y, z = result.mesh.vertices.T
     # What is kept apart leaves a seam in the middle of the bar; what merges does not.
-    assert seam.any() == (topology == "preserve")
+    assert ((np.abs(x) < 4.0) & (np.hypot(y, z) < 1.5)).any() == (topology == "preserve")
 
 
 @BOTH
@@ -61,8 +60,10 @@ def test_a_seed_that_flows_around_a_ring(topology: Topology) -> None:
     assert_sound(result, genus=1 if topology == "adaptive" else 0)
     if topology == "adaptive":
         x, y, z = result.mesh.vertices.T
-        # The whole of it is the ring's surface: no seam is left.
-        assert np.abs(np.hypot(np.hypot(x, y) - 12.0, z) - 4.5).max() < 0.4
+        # The whole of it is the ring's surface: no seam is left. A few vertices may still be on their way.
+        off = np.abs(np.hypot(np.hypot(x, y) - 12.0, z) - 4.5)
+        assert np.percentile(off, 99) < 0.2
+        assert off.max() < 0.6
 
 
 @BOTH

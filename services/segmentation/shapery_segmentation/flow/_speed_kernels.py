@@ -86,6 +86,30 @@ def sample_both(field, gate, inverse, p):
 
 
 @inner
+def slope_at(field, inverse, p, n):
+    """Return how the interpolated `field` changes along `n` at the point `p`, per mm; 0 outside the grid."""
+    x = inverse[0, 0] * p[0] + inverse[0, 1] * p[1] + inverse[0, 2] * p[2] + inverse[0, 3]
+    y = inverse[1, 0] * p[0] + inverse[1, 1] * p[1] + inverse[1, 2] * p[2] + inverse[1, 3]
+    z = inverse[2, 0] * p[0] + inverse[2, 1] * p[1] + inverse[2, 2] * p[2] + inverse[2, 3]
+    ni, nj, nk = field.shape
+    if not (0.0 <= x <= ni - 1 and 0.0 <= y <= nj - 1 and 0.0 <= z <= nk - 1):
+        return 0.0
+    i, j, k = min(np.int64(x), max(ni - 2, 0)), min(np.int64(y), max(nj - 2, 0)), min(np.int64(z), max(nk - 2, 0))
+    i1, j1, k1 = min(i + 1, ni - 1), min(j + 1, nj - 1), min(k + 1, nk - 1)
+    u, v, w = x - i, y - j, z - k
+    a, b, c, d = field[i, j, k], field[i, j, k1], field[i, j1, k], field[i, j1, k1]
+    e, f, g, h = field[i1, j, k], field[i1, j, k1], field[i1, j1, k], field[i1, j1, k1]
+    dx = ((e - a) * (1.0 - w) + (f - b) * w) * (1.0 - v) + ((g - c) * (1.0 - w) + (h - d) * w) * v
+    dy = ((c - a) * (1.0 - w) + (d - b) * w) * (1.0 - u) + ((g - e) * (1.0 - w) + (h - f) * w) * u
+    dz = ((b - a) * (1.0 - v) + (d - c) * v) * (1.0 - u) + ((f - e) * (1.0 - v) + (h - g) * v) * u
+    return (
+        dx * (inverse[0, 0] * n[0] + inverse[0, 1] * n[1] + inverse[0, 2] * n[2])
+        + dy * (inverse[1, 0] * n[0] + inverse[1, 1] * n[1] + inverse[1, 2] * n[2])
+        + dz * (inverse[2, 0] * n[0] + inverse[2, 1] * n[1] + inverse[2, 2] * n[2])
+    )
+
+
+@inner
 def speed_at(field, inverse, allowed, inverse_allowed, dials, p, n):
     """Return the speed along the normal `n` at the point `p`, in [−1, 1], without the curvature.
 

@@ -4,7 +4,7 @@
 
 import numpy as np
 
-from shapery_segmentation.flow._speed_kernels import GRADIENT, sample, speed_at
+from shapery_segmentation.flow._speed_kernels import GRADIENT, THRESHOLD, sample, slope_at, speed_at
 from shapery_segmentation.flow._state_kernels import (
     AGE,
     AGED,
@@ -47,6 +47,10 @@ STEADY = 4
 
 LARGEST_STEP = 0.5
 """Edge lengths that a vertex moves along its normal at the most."""
+
+LEAST_FALL = 0.3
+"""Least share of a move that is taken to be gone once it is made: near the border the step is Newton's, but not more
+than the inverse of this times the plain one."""
 
 FARTHER = 0.6
 """Edge lengths beyond the gap that fronts keep in which obstacles are looked for: where there are none, none is looked
@@ -93,12 +97,13 @@ def surround(m, v):
 def _obstacle(m, cells, v, p, n, here, front, rear, farther, opposed, rear_opposed, found):
     """Return where another part of the surface is near the point `p` to which `v` would move, and its face.
 
-    The third that is returned tells whether none could be there soon; the fourth how far away the nearest centroid of
-    a face is that could be one, `farther` beyond the wider of the gaps at the most.
+    The third that is returned tells whether the faces around `v` can touch nothing soon; the fourth how far away the
+    nearest centroid of a face is that could be an obstacle, `farther` beyond the wider of the gaps at the most.
 
     A face counts if it is no face of `v`, the way brings `v` nearer to its centroid, and that lies ahead of `p` within
     `front`, the product of the normals below `opposed`, or behind it within `rear`, the product below `rear_opposed`.
-    None could be soon where within `farther` beyond that nothing is turned nearly as much.
+    Nothing can be touched soon where within the wider of the gaps and a third of `farther` beyond that nothing is
+    turned nearly as much.
     """
     limit = max(opposed, rear_opposed)
     reach = max(front, rear) + farther
@@ -111,21 +116,19 @@ def _obstacle(m, cells, v, p, n, here, front, rear, farther, opposed, rear_oppos
         own = v in corners(m, g)
         c = (np.float64(m.facets[g, 0]), np.float64(m.facets[g, 1]), np.float64(m.facets[g, 2]))
         d, e = subtract(c, p), subtract(c, here)
-        if turn >= limit:
-            if not own:
-                clear = False
-                nearest = min(nearest, dot(d, d))
-            continue
-        clear = False
         if not own:
             nearest = min(nearest, dot(d, d))
+        if turn >= limit:
+            continue
+        clear = clear and not own
         ahead = dot(d, n) >= 0.0
         if turn >= (opposed if ahead else rear_opposed):
             continue
         gap = front if ahead else rear
         if dot(d, d) < gap * gap and dot(d, d) < dot(e, e) and not own:
             return (AHEAD if ahead else BEHIND), g, False, 0.0
-    return NOWHERE, np.int64(-1), clear, np.sqrt(nearest)
+    nearest = np.sqrt(nearest)
+    return NOWHERE, np.int64(-1), clear and nearest >= reach - 0.67 * farther, nearest
 
 
 @inner
@@ -212,7 +215,13 @@ def _propose(m, cells, state, counter, clear, field, inverse, allowed, inverse_a
             # In Eq. 3.1 the curvature is multiplied by g.
             value, _ = sample(field, inverse, here)
             bend *= value
-        forward = max(-LARGEST_STEP * local, min(LARGEST_STEP * local, forward + bend * along))
+        forward += bend * along
+        if dials.model == THRESHOLD:
+            # Near the border the way to it is known: what is left of the move, over how fast it falls on the way.
+            near = 1.0 - speed * speed
+            falls = bend - dials.step * local * near * slope_at(field, inverse, here, n)
+            forward *= 1.0 + near * (1.0 / max(falls, LEAST_FALL) - 1.0)
+        forward = max(-LARGEST_STEP * local, min(LARGEST_STEP * local, forward))
         p = (
             here[0] + forward * n[0] + dials.slide * (u[0] - along * n[0]),
             here[1] + forward * n[1] + dials.slide * (u[1] - along * n[1]),

@@ -20,11 +20,14 @@ from shapery_segmentation.flow.params import FlowResult, FlowState, NormalFlowPa
 from shapery_segmentation.flow.threshold import median_inside
 from shapery_segmentation.flow.topology import reconnected, without_remains
 from shapery_segmentation.mesh import _motion_kernels as motion
-from shapery_segmentation.mesh.arrays import SCALE
+from shapery_segmentation.mesh.arrays import LARGEST_RADIUS, SCALE
 from shapery_segmentation.mesh.dynamic_mesh import DynamicMesh
 
 SEED_ROUNDS = 12
 """Rounds of remeshing at the most that bring a seed to the first edge length."""
+
+EVEN = 0.8, 1.25
+"""Mean edge over the edge length asked for between which a new surface need not be remeshed at first."""
 
 STAGE_ROUNDS = 4
 """The same from one stage to the next."""
@@ -108,7 +111,7 @@ class Evolution:
                 f"The seed encloses {self.mesh.volume:.3g} mm³: its faces look inwards.",
                 "Turn its faces over.",
             )
-        self.parts = self.mesh.part_count
+        self.parts = len(self.mesh.part_volumes)
         self._moves = 0
         self.iteration = 0
         self.reconnections = self.interpolations = 0
@@ -218,7 +221,10 @@ class Evolution:
         """Bring the mesh, which is new or has a new edge length, to that length; every vertex begins anew."""
         mesh = self.mesh
         if rounds:
-            mesh.retriangulate(rounds, given=self.iteration == 0)
+            given = self.iteration == 0
+            # Triangles of the right size get their shape while the surface moves.
+            even = EVEN[0] < mesh.mean_edge / mesh.edge_length < EVEN[1]
+            mesh.retriangulate(0 if even else rounds, given=given, test=given or self.thorough)
         n = mesh.vertex_slots
         self._state = np.zeros((n, states.STATE_COLUMNS))
         self._state[:, states.GAIN] = 1.0
@@ -226,7 +232,7 @@ class Evolution:
         self._clear = np.zeros(n, dtype=np.int8)
         self._target = np.zeros((0, 3))
         self._make_room()
-        self._stale = True
+        self._stale = self._fresh = True
         self._stirred = self._pinched = False
 
     def _step(self, length: float) -> int:
@@ -259,17 +265,20 @@ class Evolution:
         mesh, batch = self.mesh, self._batch
         self._batch = 0
         clear = mesh.moves.none if self.thorough else self._clear
-        back = motion.verify(mesh.arrays, mesh.cells, mesh.moves, batch, clear)
+        back = motion.verify(mesh.arrays, mesh.cells, mesh.moves, batch, clear, self._drift)
+        if self._drift > motion.SORTED * mesh.arrays.bound[LARGEST_RADIUS]:
+            self._drift = 0.0
         dials = self._dials(mesh.edge_length)
         steps.take_back(mesh.moves, batch, back, self._state, self._counter, self._clear, dials)
         self._stale = self._stale or back > 0
-        self._drift = 0.0
 
     def _remesh(self, length: float) -> None:
         """Answer what blocked vertices wish for, mend the triangles around what moves, and see what is left."""
         self._verify()
         mesh = self.mesh
-        active = (self._counter[:, states.MODE] == states.AWAKE).astype(np.int8)
+        # The first time everywhere: what is at rest already has the triangles that it was given.
+        fresh, self._fresh = self._fresh, False
+        active = ((self._counter[:, states.MODE] == states.AWAKE) | fresh).astype(np.int8)
         refined, collapsing, pinched = repair.answer_wishes(
             mesh.arrays,
             self._state,
@@ -289,21 +298,23 @@ class Evolution:
         mesh.remesh(active, unwanted=self._collapse if collapsing else None, careless=not self.thorough)
         # What gets finer triangles is awake, and counted; what retreats may not be.
         self._fruitless = 0 if mesh.vertex_count < before else self._fruitless + (collapsing > 0)
-        self._stirred = collapsing > 0 and self._fruitless < LARGEST_FRUITLESS
+        self._stirred = fresh or (collapsing > 0 and self._fruitless < LARGEST_FRUITLESS)
         self._make_room()
         states.adopt_touched(mesh.arrays, self._state, self._counter, self._clear)
         self._stale = True
         self.vanished = mesh.volume < NOTHING_LEFT * length**3
-        if self.parts > 1 and not self.vanished:
+        if not self.vanished:
             self._drop_remains(NOTHING_LEFT * length**3)
 
     def _drop_remains(self, least: float) -> None:
         """Leave out the parts that have shrunk to nothing; a few faces more, and one could turn inside out."""
+        if self.parts < 2 or np.abs(self.mesh.part_volumes).min() >= least:
+            return
         before = self.mesh.to_triangle_mesh()
         after = without_remains(before, least)
         if after is not before:
             self.mesh = DynamicMesh(after, self.mesh.edge_length, test=False)
-            self.parts = self.mesh.part_count
+            self.parts = len(self.mesh.part_volumes)
             self._take_up(1)
 
     def _reconnect(self, length: float, following: float | None = None) -> bool:
@@ -321,21 +332,24 @@ class Evolution:
         self._changes += 1
         self.reconnections += 1
         self.mesh = DynamicMesh(surface, length if following is None else following, test=False)
-        self.parts = self.mesh.part_count
-        self._take_up(SEED_ROUNDS)
+        self.parts = len(self.mesh.part_volumes)
+        self._take_up(STAGE_ROUNDS)
+        self._drop_remains(NOTHING_LEFT * self.mesh.edge_length**3)
         return True
 
-    def _object_on(self, grid: Volume) -> NDArray[np.bool_]:
-        """Return the voxels of a grid that are object: what the surface would grow into."""
+    def _object_on(self, grid: Volume) -> NDArray[np.float32]:
+        """Return what is positive on the voxels of a grid that are object: what the surface would grow into."""
         if self.edges is None:
-            there = Volume(self.field, self.affine).resampled_to(grid).data > self.threshold
+            level = Volume(self.field, self.affine).resampled_to(grid).data - np.float32(self.threshold)
         else:
             # Between two fronts that no edge parts.
             affine = np.linalg.inv(np.vstack((self.edges.inverse, (0.0, 0.0, 0.0, 1.0))))
-            there = Volume(self.edges.values, affine).resampled_to(grid).data > CLEARLY_FLAT
+            flat = Volume(self.edges.values, affine).resampled_to(grid).data > CLEARLY_FLAT
+            level = np.where(flat, np.float32(1.0), np.float32(-1.0))
         if self.allowed.size:
-            there &= Volume(self.allowed.astype(np.float32), self.affine).resampled_to(grid).data >= 0.5
-        return np.asarray(there)
+            gate = Volume(self.allowed.astype(np.float32), self.affine).resampled_to(grid).data
+            level = np.where(gate >= 0.5, level, np.minimum(level, 2.0 * gate - 1.0))
+        return np.asarray(level, dtype=np.float32)
 
     def _release(self) -> None:
         """Smooth the vertices of thin triangles, which would keep the flow from converging."""

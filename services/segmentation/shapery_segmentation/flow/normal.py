@@ -19,7 +19,8 @@ Two models of the speed are offered; both work in mm, whatever the spacing and o
     because g of Eq. 3.3 changes with the unit of the intensities. It stops at edges of any brightness, and runs through
     gaps in them.
 
-In both a vertex moves ``step·h·F`` along n in one iteration, h the edge length, and on top of that
+In both a vertex moves ``step·h·F`` along n in one iteration, h the edge length (near the border of the threshold model,
+where the slope of F along n tells how far it is, by up to three times as much: Newton's step), and on top of that
 ``curvature_weight`` of the way to the plane of its neighbours: for a regular mesh that is H·h²/2 with H negative where
 the surface is convex, so the term g·H of Eq. 3.1 with a weight that falls with h² (in the gradient model it is
 multiplied by g). Across n it moves ``tangential_weight`` of the way to the mean of its neighbours, which spreads

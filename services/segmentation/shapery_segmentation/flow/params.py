@@ -85,8 +85,8 @@ class NormalFlowParams:
     balloon: float = 0.3
     gradient_sigma: float = 1.0
     gradient_percentile: float = 98.0
-    front_gap: float = 1.0
-    rear_gap: float = 0.6
+    front_gap: float = 0.8
+    rear_gap: float = 0.5
     opposed: float = 0.4
     rear_opposed: float = -0.3
     patience: int = 4

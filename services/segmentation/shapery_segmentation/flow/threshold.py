@@ -9,6 +9,9 @@ from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.rasterize import rasterize
 from shapery_geometry.volume import Volume
 
+ENOUGH = 50_000
+"""Voxels in the box around a surface from which only one in eight is looked at."""
+
 
 def median_inside(field: NDArray[np.float32], affine: NDArray[np.float64], surface: TriangleMesh) -> float | None:
     """Return the median of `field` over the voxels inside a surface; none where it holds no voxel's centre.
@@ -31,9 +34,12 @@ def median_inside(field: NDArray[np.float32], affine: NDArray[np.float64], surfa
     high = np.minimum(np.ceil(index.max(axis=0)) + 1, field.shape).astype(np.int64)
     if (high <= low).any():
         return None
-    i, j, k = (slice(a, b) for a, b in zip(low, high, strict=True))
+    # Every second voxel along each axis says the same where they are many.
+    step = 2 if np.prod(high - low) > ENOUGH else 1
+    i, j, k = (slice(a, b, step) for a, b in zip(low, high, strict=True))
     part = field[i, j, k]
     shifted = affine.copy()
     shifted[:3, 3] += affine[:3, :3] @ low
+    shifted[:3, :3] *= step
     inside = rasterize(surface, Volume(part, shifted), known_closed=True)
     return float(np.median(part[inside])) if inside.any() else None

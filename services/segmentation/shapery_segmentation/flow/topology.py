@@ -13,12 +13,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.rasterize import rasterize
 from shapery_geometry.volume import Volume
-from shapery_segmentation.neighborhoods import within
+from shapery_segmentation.neighborhoods import within, without_small
 from shapery_segmentation.seeding.ball import surface_of
 
 BoolArray = NDArray[np.bool_]
@@ -32,9 +31,6 @@ MERGED_GAP = 1.5
 SPLIT_NECK = 0.7
 """Half the width, in edge lengths, of the necks that are cut where no object lies in them."""
 
-LEAST_PART = 2.0
-"""Cubes of the edge length; smaller parts and smaller cavities are not made."""
-
 PINHOLE = 6
 """Voxels that a hole through something thin must have to be one; fewer are filled."""
 
@@ -45,7 +41,7 @@ whose sides have met count as well, though closing them changes no topology."""
 
 def reconnected(
     surface: TriangleMesh,
-    object_on: Callable[[Volume], BoolArray],
+    object_on: Callable[[Volume], NDArray[Any]],
     edge_length: float,
     *,
     cell: float | None = None,
@@ -57,7 +53,8 @@ def reconnected(
     surface
         Closed, RAS mm, without self-intersections.
     object_on
-        Tells which voxels of a grid are object.
+        Tells which voxels of a grid are object: those where what it returns is positive. Between these and where it is
+        negative, the new surface lies where it vanishes.
     edge_length
         In mm.
     cell
@@ -83,26 +80,28 @@ def reconnected(
     grid = Volume(np.broadcast_to(np.zeros((), np.uint8), tuple(shape)), affine)
 
     inside = rasterize(surface, grid)
-    is_object = object_on(grid)
+    level = np.asarray(object_on(grid), dtype=np.float32)
+    is_object = level > 0
     joined = inside | (~within(~within(inside, gap), gap) & is_object)
     thick = within(~within(~joined, neck), neck)
     solid = joined & (thick | is_object)
     holes = ~within(~within(solid, 1.0), 1.0) & ~solid
-    solid |= holes & ~_without_small(holes, PINHOLE, np.ones((3, 3, 3)))
-    least = LEAST_PART * unit**3
-    solid = _without_small(solid, least, np.ones((3, 3, 3)))
-    solid = ~_without_small(~solid, least, ndimage.generate_binary_structure(3, 1))
+    solid |= holes & ~without_small(holes, PINHOLE)
     if not solid.any():
         return None
     least = LEAST_CHANGE * unit**3
-    if not _without_small(solid ^ inside, least, np.ones((3, 3, 3))).any():
-        return None
-    new = surface_of(solid, affine)
-    same = new.euler_characteristic == surface.euler_characteristic and new.component_count == surface.component_count
-    if same and not _without_small(solid & ~inside, least, np.ones((3, 3, 3))).any():
-        # Only corners were cut.
-        return None
-    return new
+    new = surface_of(solid, affine, even=True, level=level)
+    # Necks that are thinner than the grid's cells are cut by laying the surface into it. If the topology stays, and
+    # nothing was joined, only corners were cut.
+    more = _euler(new) - _euler(surface)
+    joins = without_small(solid & ~inside, least).any()
+    changes = more > 0 or joins or (more < 0 and without_small(inside & ~solid, least).any())
+    return new if changes else None
+
+
+def _euler(surface: TriangleMesh) -> int:
+    """Return the Euler characteristic of a closed surface that uses all of its vertices."""
+    return len(surface.vertices) - len(surface.faces) // 2
 
 
 def without_remains(mesh: TriangleMesh, least: float) -> TriangleMesh:
@@ -120,11 +119,3 @@ def without_remains(mesh: TriangleMesh, least: float) -> TriangleMesh:
     number = np.zeros(len(mesh.vertices), dtype=np.int32)
     number[used] = np.arange(len(used), dtype=np.int32)
     return TriangleMesh(mesh.vertices[used], number[kept])
-
-
-def _without_small(mask: BoolArray, least: float, structure: NDArray[Any]) -> BoolArray:
-    """Return `mask` without parts of less than `least` voxels."""
-    labels, _ = ndimage.label(mask, structure)
-    sizes = np.bincount(labels.ravel())
-    sizes[0] = 0
-    return np.asarray((sizes >= least)[labels] & mask)

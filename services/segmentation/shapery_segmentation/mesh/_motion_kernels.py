@@ -38,6 +38,9 @@ LEAST_SHAPE = 0.02
 OPPOSED = 0.55
 """Product of the normals of two faces below which they may belong to fronts that meet."""
 
+SORTED = 0.1
+"""Radii of the largest face that faces may be from where they were sorted, or the search for contacts is wide."""
+
 LEAST_TILT = 0.25
 """A star whose faces all have at least this product with the mean of their normals is a graph over their plane."""
 
@@ -225,7 +228,7 @@ def measure_displaced(m, cells, moves, movers, n, batch, tick, sorted_in):
 
 
 @inner
-def _verify(m, cells, moves, batch, clear):
+def _verify(m, cells, moves, batch, clear, drift):
     """Do what `verify` says."""
     slack = 0.0
     for i in range(moves.counts[0]):
@@ -234,23 +237,31 @@ def _verify(m, cells, moves, batch, clear):
         for axis in range(3):
             way += (m.points[v, axis] - moves.old[v, axis]) ** 2
         slack = max(slack, way)
-    slack = np.sqrt(slack)
-    sort_faces(m, cells)
+    if drift > SORTED * np.float64(m.bound[LARGEST_RADIUS]):
+        sort_faces(m, cells)
+        drift = 0.0
+    slack = np.sqrt(slack) + drift
     limit = OPPOSED if clear.shape[0] > 0 else ANY
 
     state, old, queue, found = moves.state, moves.old, moves.queue, moves.found
     count = moves.counts[1]
-    size = 0
+    # Nothing is put back on the way: those faces would be far from where they were sorted, and searches wide.
+    wrong = 0
     for i in range(count):
         f = np.int64(moves.faces[i])
-        if _spoiled(m, f):
-            size = _put_back(m, cells, f, batch, state, old, queue, size)
-        elif not _is_clear(m, f, clear):
-            # Faces that have been put back are elsewhere than they were sorted; until then nothing is.
-            g = _contact(m, cells, f, slack if size > 0 else 0.0, batch, limit, found)
-            if g >= 0:
-                size = _put_back(m, cells, f, batch, state, old, queue, size)
-                size = _put_back(m, cells, g, batch, state, old, queue, size)
+        g = f
+        if not _spoiled(m, f):
+            if _is_clear(m, f, clear):
+                continue
+            g = _contact(m, cells, f, drift, batch, limit, found)
+        if g >= 0:
+            moves.wrong[wrong, 0] = f
+            moves.wrong[wrong, 1] = g
+            wrong += 1
+    size = 0
+    for i in range(wrong):
+        size = _put_back(m, cells, np.int64(moves.wrong[i, 0]), batch, state, old, queue, size)
+        size = _put_back(m, cells, np.int64(moves.wrong[i, 1]), batch, state, old, queue, size)
     for i in range(count):
         # Each changed star is met from the half-edges that leave its centre; one of them is the one noted for it.
         for k in range(3):
@@ -285,14 +296,14 @@ def _verify(m, cells, moves, batch, clear):
 
 
 @kernel
-def verify(m, cells, moves, batch, clear):
+def verify(m, cells, moves, batch, clear, drift):
     """Test all that moved since `batch` began; put back what turned over, degenerated or touches another face.
 
     Parameters
     ----------
     m : MeshArrays
     cells : Cells
-        Room for the faces, which are sorted anew; those that are put back stay in the cells that they had come to.
+        The faces, brought up to date with every move.
     moves : Moves
     batch : int
         The stamp of what moved. Afterwards ``moves.state`` of the vertices that were put back is −`batch`.
@@ -300,6 +311,8 @@ def verify(m, cells, moves, batch, clear):
         Where this is given, not everything is tested: of faces that share no vertex, those whose vertices all have 1
         here are left out, and pairs whose normals look the same way (`OPPOSED`); of stars, those around a 1. Whoever
         gives it has to ask `has_contacts` in the end.
+    drift : float
+        How far in mm faces may be from where they were sorted. If that is far, they are sorted anew.
 
     Returns
     -------
@@ -313,7 +326,7 @@ def verify(m, cells, moves, batch, clear):
     back, so this ends, in the worst case in the state at the beginning, which was free of contacts. What lies between
     does not matter: any number of moves can be verified at once.
     """
-    return _verify(m, cells, moves, batch, clear)
+    return _verify(m, cells, moves, batch, clear, drift)
 
 
 @kernel
@@ -324,7 +337,7 @@ def move_vertices(m, cells, movers, target, moves, batch):
     ----------
     m : MeshArrays
     cells : Cells
-        As in `verify`.
+        Room for the faces, which are sorted anew; those that are put back stay in the cells that they had come to.
     movers : (n,) int32
         The vertices to move, each once.
     target : (V, 3) float64
@@ -343,7 +356,7 @@ def move_vertices(m, cells, movers, target, moves, batch):
     for i in range(movers.shape[0]):
         displace(m, moves, movers[i], target, batch)
     measure_displaced(m, cells, moves, movers, movers.shape[0], batch, batch, False)
-    return _verify(m, cells, moves, batch, moves.none)
+    return _verify(m, cells, moves, batch, moves.none, np.inf)
 
 
 @inner

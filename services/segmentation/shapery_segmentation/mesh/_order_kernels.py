@@ -6,7 +6,7 @@ import numpy as np
 
 from shapery_segmentation.mesh._grid_kernels import measure_face
 from shapery_segmentation.mesh._operation_kernels import following, origin, preceding, twin
-from shapery_segmentation.mesh.arrays import FACE_TOP, ORIGIN, OUT, SCALE, TWIN, VERTEX_TOP
+from shapery_segmentation.mesh.arrays import AREA, FACE_TOP, NORMAL, ORIGIN, OUT, SCALE, TWIN, VERTEX_TOP
 from shapery_segmentation.mesh.compiled import kernel
 
 DIGIT = 11
@@ -146,16 +146,15 @@ def cut_into_four(m, new, parents):
 
 
 @kernel
-def count_parts(m):
-    """Return how many parts the surface has that hang together."""
-    seen = np.zeros(m.vertices.shape[0], dtype=np.bool_)
+def part_volumes(m):
+    """Return the volume that each part of the surface encloses that hangs together."""
+    part = np.full(m.vertices.shape[0], -1, dtype=np.int64)
     stack = np.empty(m.vertices.shape[0], dtype=np.int64)
     parts = 0
     for v in range(m.layout[VERTEX_TOP]):
-        if m.vertices[v, OUT] < 0 or seen[v]:
+        if m.vertices[v, OUT] < 0 or part[v] >= 0:
             continue
-        parts += 1
-        seen[v] = True
+        part[v] = parts
         stack[0] = v
         size = 1
         while size > 0:
@@ -164,11 +163,28 @@ def count_parts(m):
             h = first
             while True:
                 w = origin(m, following(h))
-                if not seen[w]:
-                    seen[w] = True
+                if part[w] < 0:
+                    part[w] = parts
                     stack[size] = w
                     size += 1
                 h = twin(m, preceding(h))
                 if h == first:
                     break
-    return parts
+        parts += 1
+    volumes = np.zeros(parts)
+    about = np.zeros((parts, 3))
+    begun = np.zeros(parts, dtype=np.bool_)
+    for f in range(m.layout[FACE_TOP]):
+        v = origin(m, 3 * f)
+        if v < 0:
+            continue
+        p = part[v]
+        if not begun[p]:
+            begun[p] = True
+            for axis in range(3):
+                about[p, axis] = m.points[v, axis]
+        height = 0.0
+        for axis in range(3):
+            height += (m.facets[f, axis] - about[p, axis]) * m.facets[f, NORMAL + axis]
+        volumes[p] += m.facets[f, AREA] * height / 3.0
+    return volumes

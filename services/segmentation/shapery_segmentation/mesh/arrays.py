@@ -151,6 +151,8 @@ class Moves(NamedTuple):
         The faces that changed; room for a search.
     measured : (F,) int64
         When a face was last measured.
+    wrong : (F, 2) int32
+        Pairs of faces that touch; twice the same for one that has turned over.
     counts : (2,) int64
         Entries of `movers` and `faces`.
     none : (0,) int8
@@ -164,6 +166,7 @@ class Moves(NamedTuple):
     faces: Array
     found: Array
     measured: Array
+    wrong: Array
     counts: Array
     none: Array
 
@@ -188,6 +191,7 @@ def room_for_moves(vertex_slots: int, face_slots: int) -> Moves:
         faces=np.zeros(face_slots, dtype=np.int32),
         found=np.zeros(face_slots, dtype=np.int32),
         measured=np.zeros(face_slots, dtype=np.int64),
+        wrong=np.zeros((face_slots, 2), dtype=np.int32),
         counts=np.zeros(2, dtype=np.int64),
         none=np.zeros(0, dtype=np.int8),
     )

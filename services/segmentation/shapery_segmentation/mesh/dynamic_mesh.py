@@ -37,7 +37,7 @@ from shapery_segmentation.mesh.arrays import (
     room_for_moves,
 )
 
-SPLIT_RATIO = 1.4
+SPLIT_RATIO = 1.5
 """An edge longer than this multiple of its target is split; its halves then stay above `COLLAPSE_RATIO`."""
 
 COLLAPSE_RATIO = 0.6
@@ -122,7 +122,7 @@ class DynamicMesh:
         self.cells = room_for_cells(0, 0)
         self.moves = room_for_moves(0, 0)
         self._batch = 0
-        used = np.unique(surface.faces)
+        used = np.flatnonzero(np.bincount(surface.faces.ravel(), minlength=len(surface.vertices)))
         number = np.zeros(len(surface.vertices), dtype=np.int32)
         number[used] = np.arange(len(used), dtype=np.int32)
         points = np.ones((len(used), 4))
@@ -235,9 +235,9 @@ class DynamicMesh:
         return float(passes.signed_volume(self.arrays))
 
     @property
-    def part_count(self) -> int:
-        """Parts that hang together."""
-        return int(orders.count_parts(self.arrays))
+    def part_volumes(self) -> NDArray[np.float64]:
+        """(n,) mm³ that each part encloses that hangs together; negative where it is a cavity."""
+        return np.asarray(orders.part_volumes(self.arrays))
 
     @property
     def live(self) -> NDArray[np.int32]:
@@ -283,6 +283,7 @@ class DynamicMesh:
             if not self.touches_itself():
                 return True
             concerned = np.zeros(self.vertex_slots, dtype=np.bool_)
+            self.sort_cells()
             motion.count_contacts(self.arrays, self.cells, concerned)
             motion.draw_together(self.arrays, np.flatnonzero(concerned))
         return not self.touches_itself()
@@ -365,7 +366,7 @@ class DynamicMesh:
         self.arrays.layout[CARELESS] = 0
         return total
 
-    def retriangulate(self, rounds: int, *, given: bool = True) -> None:
+    def retriangulate(self, rounds: int, *, given: bool = True, test: bool = True) -> None:
         """Bring all edges near their target, and compact the arrays.
 
         Without care first; only where that ends in a contact everything is done again with it. Slots become
@@ -376,24 +377,23 @@ class DynamicMesh:
         rounds
             Of remeshing, at the most.
         given
-            Whether the surface comes from a caller, who is told where it touched itself before. One that has moved
-            without tests is mended there, as far as that goes.
+            Whether the surface comes from a caller, who is told where it touched itself before, unless `mend` can help.
+        test
+            Whether to look for contacts; without that the caller asks for `mend` in the end.
 
         Raises
         ------
         InvalidInput
             ``invalid_mesh`` where a given surface touched itself before.
         """
-        live, faces = self.live_faces()
+        live, faces = self.live_faces() if test else (np.zeros(0, np.int32), np.zeros((0, 3), np.int32))
         points, clearance = self.arrays.points[live], self.arrays.bound[CLEARANCE]
         self.remesh(rounds=rounds, careless=True)
-        if self.touches_itself():
+        if test and self.touches_itself():
             self._take(points, faces)
             self.arrays.bound[CLEARANCE] = clearance
-            if given:
+            if not self.mend() and given:
                 self._refuse_contacts()
-            else:
-                self.mend()
             self.remesh(rounds=rounds)
         self.compact()
 

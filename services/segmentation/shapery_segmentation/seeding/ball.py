@@ -93,7 +93,20 @@ def seed_ball(
     return ball, affine, start
 
 
-def surface_of(inside: BoolArray, affine: NDArray[np.float64]) -> TriangleMesh:
+@cache
+def _pieces() -> tuple[NDArray[np.int8], NDArray[np.int8]]:
+    pieces, counts = np.zeros((1 << 14, 14), dtype=np.int8), np.zeros(1 << 14, dtype=np.int8)
+    kernels.piece_table(np.ascontiguousarray(kernels.ADJACENT), pieces, counts)
+    return pieces, counts
+
+
+def surface_of(
+    inside: BoolArray,
+    affine: NDArray[np.float64],
+    *,
+    even: bool = False,
+    level: NDArray[np.float32] | None = None,
+) -> TriangleMesh:
     """Return the surface between the voxels inside and outside, half-way between their centres.
 
     Parameters
@@ -101,21 +114,31 @@ def surface_of(inside: BoolArray, affine: NDArray[np.float64]) -> TriangleMesh:
     inside : (I, J, K) bool
     affine : (4, 4) float64
         From voxel index to RAS mm.
+    even
+        Draw the vertices around each voxel of the inside together where the surface stays a manifold of the same
+        topology: a third of the triangles, of about the voxels' size, and hardly any thin ones. Voxels without three
+        neighbours inside keep all of theirs.
+    level : (I, J, K) float32
+        Where this is positive inside and negative outside, the surface lies where it vanishes, not half-way.
 
     Returns
     -------
-    A closed, oriented manifold without self-intersections, in RAS mm.
+    A closed, oriented manifold in RAS mm; without self-intersections unless it is `even`, where voxels that are next to
+    noise can bring some about.
+
+    References
+    ----------
+    G. M. Treece, R. W. Prager, A. H. Gee, "Regularised marching tetrahedra: improved iso-surface extraction", Computers
+    & Graphics 23 (1999), doi:10.1016/S0097-8493(99)00076-X: the idea of drawing vertices together.
     """
     padded = np.pad(inside, 1)
-    count = kernels.march(padded, kernels.TETRAHEDRA, np.zeros((0, 3, 2), dtype=np.int64))
-    pairs = np.zeros((count, 3, 2), dtype=np.int64)
-    kernels.march(padded, kernels.TETRAHEDRA, pairs)
-    keys = (pairs[..., 0] * padded.size + pairs[..., 1]).ravel()
-    unique, faces = np.unique(keys, return_inverse=True)
-    ends = np.stack(np.unravel_index(np.stack(np.divmod(unique, padded.size)), padded.shape), axis=-1)
-    points = ends.mean(axis=0) - 1.0
-    vertices = points @ affine[:3, :3].T + affine[:3, 3]
-    triangles = faces.reshape(-1, 3).astype(np.int32)
-    if np.linalg.det(affine[:3, :3]) < 0:
-        triangles = triangles[:, ::-1]
-    return TriangleMesh(vertices, triangles)
+    first, code = np.zeros(padded.shape, dtype=np.int32), np.zeros(padded.shape, dtype=np.int32)
+    pieces, counts = _pieces()
+    count = kernels.number_crossings(padded, kernels.OFFSETS, kernels.RINGS, pieces, counts, even, first, code)
+    points = np.empty((count, 3))
+    values = np.zeros((0, 0, 0), dtype=np.float32) if level is None else np.pad(level, 1)
+    faces = kernels.march(
+        padded, values, kernels.OFFSETS, kernels.TRIANGLES, kernels.SIZES, pieces, first, code, points
+    )
+    vertices = (points - 1.0) @ affine[:3, :3].T + affine[:3, 3]
+    return TriangleMesh(vertices, faces if np.linalg.det(affine[:3, :3]) > 0 else faces[:, ::-1])
