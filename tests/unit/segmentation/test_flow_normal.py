@@ -71,7 +71,7 @@ def test_the_edges_have_the_length_of_the_last_stage() -> None:
         )
         assert [s.edge_length for s in result.stages] == list(lengths)
         assert result.mesh.edge_lengths.mean() == pytest.approx(lengths[-1], rel=0.15)
-        assert result.mesh.edge_lengths.max() < 1.6 * lengths[-1]
+        assert result.mesh.edge_lengths.max() < 1.75 * lengths[-1]
         # Angles below 10° are for broken meshes.
         assert np.rad2deg(result.mesh.corner_angles.min()) > 10.0
 

@@ -171,12 +171,17 @@ def test_what_touched_before_is_mended_or_refused() -> None:
     vertices[0] *= -1.2
     pushed = TriangleMesh(vertices, pushed.faces)
     assert len(self_intersections(pushed))
-    with pytest.raises(InvalidInput, match="touch others"):
-        DynamicMesh(pushed, 0.35, test=False).retriangulate(2)
     mesh = DynamicMesh(pushed, 0.35, test=False)
-    mesh.retriangulate(2, given=False)
+    mesh.retriangulate(2)
     assert len(self_intersections(mesh.to_triangle_mesh())) == 0
     assert not defects(mesh)
+    # Two spheres through each other are beyond smoothing.
+    one, other = icosphere((0, 0, 0), 2.0, 3), icosphere((1.5, 0, 0), 2.0, 3)
+    both = TriangleMesh(
+        np.concatenate((one.vertices, other.vertices)), np.concatenate((one.faces, other.faces + len(one.vertices)))
+    )
+    with pytest.raises(InvalidInput, match="touch others"):
+        DynamicMesh(both, 0.35, test=False).retriangulate(2)
 
 
 @pytest.mark.parametrize("length", [0.0, -1.0, np.nan])
