@@ -132,11 +132,15 @@ def _in_browser(browser: Any, script: str, place: Path, frames: int) -> dict[str
 
 
 def _taken(action: Callable[[], object]) -> float:
-    """Return the processor time that the processes of pages take for an action."""
+    """Return the processor time that the main threads of pages take for an action."""
 
     def seconds() -> dict[int, float]:
-        found = {process.pid: process.cpu_times() for process in processes("--type=renderer")}
-        return {pid: times.user + times.system for pid, times in found.items()}
+        return {
+            thread.id: thread.user_time + thread.system_time
+            for process in processes("--type=renderer")
+            for thread in process.threads()
+            if thread.id == process.pid
+        }
 
     before = seconds()
     action()

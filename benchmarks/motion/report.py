@@ -43,10 +43,10 @@ E(A) each frame's centroid), and all bytes are real: ours and the dissertation's
 the PCA peers are coded by one adaptive range coder, with the parallelogram inside clusters, bases predicted in time,
 fields fitted anew to the rounded bases, and the step bisected to the error. That makes them stronger than the published
 methods they stand for, but for the clustered PCA that is marked as published, which has none of this. `lzma` stands for
-zstd, which is not among the locked packages. Where the dissertation's profile takes as much as quantising with delta
-and parallelogram, it stored all frames by themselves, because no prediction reached the error for less. Times are CPU
-seconds on one core of a busy machine: compare them with each other only. All files of ours are of version 1.3, made
-by one and the same encoder.
+zstd, which is not among the locked packages; it packs more closely. Where the dissertation's profile takes as much as
+quantising with delta and parallelogram, it stored all frames by themselves, because no prediction reached the error for
+less. Times are CPU seconds on one core of a busy machine: compare them with each other only. All files of ours are of
+version 1.3, made by one and the same encoder.
 
 The clustered PCA "with all of ours that fits it" is no published method: it has our predictions in space and time, our
 fitting to rounded bases and our range coder, and tells what of our gain they make. What the goal of at most 0.55 of
@@ -263,8 +263,8 @@ def _decoding(found: dict[str, Any]) -> list[str]:
         "",
         "Files of the default setting (KG 0.1 %) in Python, CPU time on one core: opening up to the first frame, then",
         "frames of the open group in random order; scaled, as if the time of a frame were in proportion to its",
-        f"vertices. The browser is Chromium {found['browser']} with the dashboard's decoder, processor time of all",
-        "threads of the page; its first frame includes that the script is compiled.",
+        f"vertices. The browser is Chromium {found['browser']} with the dashboard's decoder, processor time of the",
+        "page's main thread; its first frame runs a script that is not compiled yet.",
         "",
         *_table(head, rows),
         f"Memory: a process that decodes one group of {few['frames']} frames of {few['sequence']} holds at the most",
