@@ -72,8 +72,8 @@ LARGEST_REGION = 0.25
 LARGEST_CONTEST = 250_000
 """Voxels of a box that compete; of a larger box, averages do."""
 
-GIVE = 2.0
-"""Voxels around the region in a box within which the flow looks for the border."""
+GIVE = 1.0
+"""Voxels around the region in a box within which the flow looks for the border; with two it leaks where organs meet."""
 
 CALM = 0.25
 """Growth (logarithm of the volume) across one step of `STILL` below which a region counts as still."""
