@@ -15,7 +15,7 @@ from shapery_geometry.volume import Volume
 from shapery_geometry.volume_io import read_volume
 from shapery_segmentation import segment
 from shapery_segmentation.flow.ablation import COMBINATIONS, ablate
-from shapery_segmentation.flow.params import NormalFlowParams
+from shapery_segmentation.flow.interpolation import WORTHWHILE
 
 SETTINGS: dict[str, dict[str, Any]] = {
     "the default": {},
@@ -37,7 +37,7 @@ def measure(case: Case) -> list[Row]:
     for number, flow in enumerate(flows, start=1):
         there = np.nan_to_num(truth.resampled_to(Volume(flow.field, flow.affine)).data) > 0.5
         for setting, changes in SETTINGS.items():
-            params = replace(flow.params, interpolation_share=NormalFlowParams().interpolation_share, **changes)
+            params = replace(flow.params, interpolation_share=WORTHWHILE, **changes)
             measured = ablate(flow.field, flow.allowed, flow.affine, flow.seed, there, params, threshold=flow.threshold)
             named = {"flow": f"{case.name}, {number}", "setting": setting, "vertices": flow.vertices}
             rows += [named | asdict(row) for row in measured]

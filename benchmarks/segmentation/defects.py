@@ -13,6 +13,7 @@ from benchmarks.segmentation.tables import Row, shown, table
 from shapery_geometry.mask_metrics import intersection_over_union
 from shapery_geometry.mesh import icosphere
 from shapery_geometry.rasterize import rasterize
+from shapery_segmentation.flow.interpolation import WORTHWHILE
 from shapery_segmentation.flow.normal import NormalFlowParams, normal_flow
 from shapery_segmentation.phantoms.blob import Defect, defective_blob
 
@@ -36,7 +37,7 @@ def measure(defect: Defect, seed: int) -> list[Row]:
     """Return a row per flow and per part that is left out."""
     phantom = defective_blob(np.random.default_rng(seed), defect)
     field = np.asarray(phantom.volume.data)
-    base = NormalFlowParams(threshold_share=None, edge_lengths=(2.0, 1.3))
+    base = NormalFlowParams(threshold_share=None, edge_lengths=(2.0, 1.3), interpolation_share=WORTHWHILE)
     rows = []
     for flow, changes in FLOWS.items():
         for left_out, off in LEFT_OUT.items():

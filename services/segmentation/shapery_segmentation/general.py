@@ -228,8 +228,6 @@ def recover_object(
             curvature_weight=params.smoothing,
             threshold_share=None,
             topology=params.topology,
-            # Organs lie against others without any border over half of their surface; the region ends there by itself.
-            interpolation_share=None,
         ),
         threshold=0.0,
         on_iteration=on_iteration,

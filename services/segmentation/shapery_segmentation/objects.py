@@ -267,8 +267,6 @@ def flow_start(brain: Brain, calibration: Calibration, region: Region, params: S
             edge_lengths=(coarse * edge, edge),
             curvature_weight=params.smoothing,
             topology=params.topology,
-            # Tumors are ragged where they fade out: to bridge that gains in some and loses in others.
-            interpolation_share=None,
             threshold_ground=region.ground,
             threshold_range=(region.floor, LEVEL_RANGE[1]),
         ),

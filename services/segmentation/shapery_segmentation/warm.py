@@ -25,6 +25,7 @@ def warm() -> None:
 
     _warm_vessels()
     _warm_general()
+    _warm_repairs()
     spacing = 3.0
     phantom = head_phantom(
         np.random.default_rng(1), (54, 64, 54), (spacing,) * 3, tumors=[TumorSpec(radius=18.0, rim=7.0)], noise=0.01
@@ -58,6 +59,24 @@ def _warm_general() -> None:
 
     phantom = blob_phantom(np.random.default_rng(1))
     segment(phantom.volume, params=SegmentationParams(mode="object", seeds=[phantom.center.tolist()]))
+
+
+def _warm_repairs() -> None:
+    """Do what few surfaces need: mend contacts, cut faces into four, release what cannot rest, follow a threshold."""
+    from shapery_geometry.mesh import TriangleMesh, icosphere
+    from shapery_segmentation.flow.normal import NormalFlowParams, normal_flow
+    from shapery_segmentation.mesh.dynamic_mesh import DynamicMesh
+
+    ball = icosphere((8.0, 8.0, 8.0), 5.0, 2)
+    both = np.concatenate((ball.faces, ball.faces + len(ball.vertices)))
+    DynamicMesh(TriangleMesh(np.concatenate((ball.vertices, ball.vertices + 1.0)), both), 2.0, test=False).mend(1)
+    mesh = DynamicMesh(ball, 2.0)
+    mesh.subdivide()
+    mesh.contacts()
+    at = np.moveaxis(np.indices((16, 16, 16)), 0, -1)
+    field = (5.0 - np.linalg.norm(at - 8.0, axis=-1)).astype(np.float32)
+    params = NormalFlowParams(threshold_interval=2, release_interval=2, max_iterations=12, interpolation_share=0.0)
+    normal_flow(field, None, np.eye(4), ball, params, threshold=-2.0)
 
 
 def _thirds(affine: NDArray[np.float64]) -> NDArray[np.float64]:

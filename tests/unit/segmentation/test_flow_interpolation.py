@@ -11,7 +11,7 @@ import pytest
 from shapery_geometry.mesh import icosphere
 from shapery_segmentation.flow import NormalFlowParams, normal_flow
 from shapery_segmentation.flow.ablation import COMBINATIONS, ablate
-from shapery_segmentation.flow.interpolation import LEAST_WEIGHT, contrasts, interpolated
+from shapery_segmentation.flow.interpolation import LEAST_WEIGHT, WORTHWHILE, contrasts, interpolated
 from shapery_segmentation.phantoms.blob import defective_blob
 from tests.support.fields import assert_sound, ball, field_of, grid
 
@@ -83,7 +83,14 @@ def grainy() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def test_what_the_ablation_reports() -> None:
     field, affine, truth = grainy()
-    params = NormalFlowParams(threshold_share=None, edge_lengths=(1.5,), step=0.5, window=8, max_iterations=120)
+    params = NormalFlowParams(
+        threshold_share=None,
+        edge_lengths=(1.5,),
+        step=0.5,
+        window=8,
+        max_iterations=120,
+        interpolation_share=WORTHWHILE,
+    )
     rows = {
         row.without: row for row in ablate(field, None, affine, icosphere(radius=5.0), truth, params, threshold=0.0)
     }
@@ -105,7 +112,7 @@ def test_a_border_that_is_lost_is_bridged(kind: Literal["gap", "stripes"]) -> No
     phantom = defective_blob(np.random.default_rng(0), kind)
     field = np.asarray(phantom.volume.data)
     seed = icosphere(phantom.center, 7.0, 2)
-    params = NormalFlowParams(threshold_share=None, edge_lengths=(2.0, 1.3))
+    params = NormalFlowParams(threshold_share=None, edge_lengths=(2.0, 1.3), interpolation_share=WORTHWHILE)
     with_it, without = (
         normal_flow(field, None, phantom.volume.affine, seed, p, threshold=0.0)
         for p in (params, replace(params, interpolation_share=None))

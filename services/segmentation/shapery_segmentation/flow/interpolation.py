@@ -19,6 +19,9 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
+WORTHWHILE = 0.05
+"""Share of the vertices that are not trusted above which it is worth while to interpolate."""
+
 TRUSTED = 0.5
 """Share of the usual contrast from which a vertex is trusted."""
 

@@ -58,7 +58,8 @@ class NormalFlowParams:
         Changes of direction in a row after which a vertex is stopped (S5); none: never.
     interpolation_share
         Share of the vertices without a border in the data under them above which they are interpolated between the
-        others in the end (S8, see `shapery_segmentation.flow.interpolation`); none: never.
+        others in the end (S8, see `shapery_segmentation.flow.interpolation`); none: never. For borders of which a part
+        is lost; `interpolation.WORTHWHILE` is a good one.
     window, rest, stir
         A vertex sleeps that has moved less than `rest` edge lengths along its normal, net, in `window` iterations; one
         that has moved more than `stir` wakes its neighbours.
@@ -93,7 +94,7 @@ class NormalFlowParams:
     least_scale: float = 0.5
     damping: float = 0.5
     aging_limit: int | None = 6
-    interpolation_share: float | None = 0.05
+    interpolation_share: float | None = None
     window: int = 1
     rest: float = 0.01
     stir: float = 0.1
