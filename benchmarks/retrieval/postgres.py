@@ -53,9 +53,9 @@ def on_postgres(args: Sequence[Arg], parts: Sequence[Query], size: int, queries:
             connection.execute("SET max_parallel_maintenance_workers = 0")
             connection.execute("INSERT INTO banks VALUES (%s, %s, 0)", (OWNER, size))
             built = connection.execute(
-                "SELECT indexdef FROM pg_indexes WHERE indexname LIKE 'ix_shapes_%vector' ORDER BY indexname DESC"
+                "SELECT indexdef FROM pg_indexes WHERE indexname = 'ix_shapes_vector'"
             ).fetchall()
-            connection.execute("DROP INDEX ix_shapes_vector, ix_shapes_part_vector")
+            connection.execute("DROP INDEX ix_shapes_vector")
             with connection.cursor().copy(f"COPY shapes ({COLUMNS}) FROM STDIN") as copy:
                 for begin in range(0, size, CHUNK):
                     for place, vector in enumerate(bank.vectors(begin, min(begin + CHUNK, size)), start=begin):
@@ -72,7 +72,6 @@ def on_postgres(args: Sequence[Arg], parts: Sequence[Query], size: int, queries:
             copied = time.perf_counter()
             connection.execute(built[0][0])
             indexed = time.perf_counter()
-            connection.execute(built[1][0])
             size_of_index = connection.execute("SELECT pg_relation_size('ix_shapes_vector')").fetchone()
             assert size_of_index is not None
         with psycopg.connect(url, autocommit=True) as connection:

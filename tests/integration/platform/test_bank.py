@@ -224,10 +224,9 @@ def test_the_index_of_neighbours_is_used(database: Database) -> None:
     with database.session() as session:
         session.execute(text("SET LOCAL enable_seqscan = off"))
         session.execute(text("SET LOCAL enable_sort = off"))
-        for column in ("vector", "part_vector"):
-            asked = f"WHERE owner = 'ann' AND {column} IS NOT NULL ORDER BY {column} <-> '{fake.vector(1)}' LIMIT 5"
-            plan = session.execute(text(f"EXPLAIN SELECT id FROM shapes {asked}")).scalars()
-            assert f"ix_shapes_{column}" in "\n".join(plan)
+        asked = f"WHERE owner = 'ann' AND vector IS NOT NULL ORDER BY vector <-> '{fake.vector(1)}' LIMIT 5"
+        plan = session.execute(text(f"EXPLAIN SELECT id FROM shapes {asked}")).scalars()
+        assert "ix_shapes_vector" in "\n".join(plan)
 
 
 def test_vectors_of_a_table_against_all_of_them() -> None:

@@ -355,13 +355,8 @@ class Shape(Base):
             "ix_shapes_vector",
             "vector",
             postgresql_using="hnsw",
+            postgresql_with={"m": 24, "ef_construction": 128},
             postgresql_ops={"vector": "halfvec_l2_ops"},
-        ).ddl_if(dialect="postgresql"),
-        Index(
-            "ix_shapes_part_vector",
-            "part_vector",
-            postgresql_using="hnsw",
-            postgresql_ops={"part_vector": "halfvec_l2_ops"},
         ).ddl_if(dialect="postgresql"),
     )
 

@@ -51,7 +51,8 @@ def ids(
 def nearest(session: Session, owner: str, asked: Nearest) -> Sequence[Row[tuple[UUID, float, bytes]]]:
     """Return ids, distances and vectors of the shapes nearest to a vector; PostgreSQL alone can tell.
 
-    The index of neighbours is walked on until enough of them meet the conditions (pgvector 0.8).
+    For wholes an index of neighbours is walked until enough of them meet the conditions (pgvector 0.8). For parts all
+    are measured: what a part asks for lies far from every whole, and such an index loses its way there.
     """
     session.execute(text("SET LOCAL hnsw.iterative_scan = strict_order"))
     session.execute(text(f"SET LOCAL hnsw.ef_search = {min(1000, max(100, 2 * asked.limit)):d}"))
