@@ -195,6 +195,7 @@ def test_seeds_and_parameters_that_cannot_be() -> None:
         pytest.param(_tube, (0, 0, 0), "tangential", TUBE_VOLUME, id="tube"),
         pytest.param(_fork, (0, 0, -9), "tangential", FORK_VOLUME, id="fork"),
         pytest.param(_ball, (1, 2, 0), "normal", 2304 * np.pi, id="ball"),
+        pytest.param(_ball, (4, -3, 2), "normal", 2304 * np.pi, id="ball-aside"),
     ],
 )
 def test_the_model_follows_the_shape(make, center, model, volume) -> None:  # type: ignore[no-untyped-def]

@@ -31,6 +31,10 @@ FIRST_BURST = 16
 SPEED = 0.5
 """Speed, of at most 1, above which a vertex moves outwards with purpose."""
 
+STEADY = 0.75
+"""Share of the largest cluster at the last look that it must still have: the end of a tube stays as large as the tube
+is wide, while the last moving part of anything else shrinks."""
+
 FEWEST_RESTING = 12
 """Vertices at rest without which there is nothing to keep."""
 
@@ -153,7 +157,7 @@ def selected_flow(
         mesh, iterations, _, vanished = flow(seed, params.burst * params.most_bursts)
         return SelectionResult(mesh, "normal", iterations, (), None, vanished)
     mesh, iterations = seed, 0
-    agreeing = 0
+    agreeing = largest = 0
     for look in range(params.most_bursts):
         mesh, done, converged, vanished = flow(mesh, FIRST_BURST if look == 0 else params.burst)
         iterations += done
@@ -167,7 +171,9 @@ def selected_flow(
             and moving.mean() <= params.moving_share
             and np.count_nonzero(~moving) >= FEWEST_RESTING
         )
-        agreeing = agreeing + 1 if front else 0
+        now = int(large[0]) if len(large) else 0
+        agreeing = 0 if not front else agreeing + 1 if now >= STEADY * largest else 1
+        largest = now
         if agreeing >= params.patience:
             grown = _go_on(values, matrix, mesh, moving, params, threshold, check)
             return SelectionResult(grown.mesh, "tangential", iterations, tuple(large.tolist()), grown, False)
