@@ -38,6 +38,9 @@ LEVEL_RANGE = (1.2, 2.25)
 """Bounds of the threshold in units of the calibrated difference: below, normal tissue begins; above, a bright tumor
 would lose the margin that is anything but normal."""
 
+MANY = 20_000
+"""Voxels from which on an object's surroundings are looked at in every other voxel along each axis."""
+
 SURROUNDINGS = (2.0, 6.0)
 """mm from an object at which the shell around it begins, past the border's partial volume, and ends."""
 
@@ -225,7 +228,12 @@ def _reach_in(
     last: Region | None = None
 
     def around(part: BoolArray) -> tuple[float, float]:
-        return surroundings(values, usable, fill_enclosed(part, spacing) | part, spacing)
+        # Of a large object every eighth voxel tells the same.
+        step = 2 if np.count_nonzero(part) >= MANY else 1
+        every = (slice(None, None, step),) * 3
+        some = np.ascontiguousarray(part[every])
+        whole = fill_enclosed(some, step * spacing) | some
+        return surroundings(values[every], usable[every], whole, step * spacing)
 
     outside = around(inside)
     for _ in range(rounds):
