@@ -96,11 +96,10 @@ def stored(volume: Volume, axes: tuple[int, ...], flips: tuple[bool, ...]) -> Vo
     return Volume(np.ascontiguousarray(data), matrix)
 
 
-SOME = [((1, 2, 0), (True, False, True)), ((2, 1, 0), (False, True, True))]
-ALL = [(a, f) for a in itertools.permutations(range(3)) for f in itertools.product((False, True), repeat=3)]
+ORDERS, FLIPS = list(itertools.permutations(range(3))), list(itertools.product((False, True), repeat=3))
 
 
-@pytest.mark.parametrize(("axes", "flips"), SOME)
+@pytest.mark.parametrize(("axes", "flips"), [((1, 2, 0), (True, False, True)), ((2, 1, 0), (False, True, True))])
 def test_the_order_of_the_axes_changes_nothing(
     head: HeadPhantom, result: Segmentation, axes: tuple[int, ...], flips: tuple[bool, ...]
 ) -> None:
@@ -108,10 +107,18 @@ def test_the_order_of_the_axes_changes_nothing(
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(900)  # 48 segmentations
-def test_all_48_orders_of_the_axes_change_nothing(head: HeadPhantom, result: Segmentation) -> None:
-    for axes, flips in ALL:
-        check_orientation(head, result, axes, flips)
+@pytest.mark.parametrize(("axes", "flips"), list(zip(ORDERS, FLIPS[1:7], strict=True)))
+def test_no_order_of_the_axes_changes_anything(
+    head: HeadPhantom, result: Segmentation, axes: tuple[int, ...], flips: tuple[bool, ...]
+) -> None:
+    check_orientation(head, result, axes, flips)
+
+
+def test_all_48_orders_of_the_axes_are_read_as_one(head: HeadPhantom) -> None:
+    for axes, flips in itertools.product(ORDERS, FLIPS):
+        volume, _ = stored(head.post, axes, flips).canonical()
+        np.testing.assert_array_equal(volume.data, head.post.canonical()[0].data)
+        np.testing.assert_allclose(volume.affine, head.post.canonical()[0].affine, atol=1e-9)
 
 
 def check_orientation(head: HeadPhantom, result: Segmentation, axes: tuple[int, ...], flips: tuple[bool, ...]) -> None:
