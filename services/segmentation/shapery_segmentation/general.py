@@ -8,7 +8,7 @@ What the object is follows from the data around the seed:
    region that is maximally stable (Matas et al., 2004), but around the seed's intensity and to both sides of it. Within
    a box, what surrounds the box and the middle of it compete for the voxels instead (`competition`).
 2. **Polarity.** The voxels around the region tell what the object borders on: darker tissue, brighter, or both. The
-   border lies half-way to each, where partial volume puts it.
+   border lies half-way to each, where partial volume puts it (`borders`).
 3. **Flow.** U is the distance to the nearer of these borders in units of the noise, positive inside; the density gate
    of the tumor's way keeps the surface out of leaks, and the normal flow does the rest.
 
@@ -22,8 +22,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,11 +33,12 @@ from shapery_geometry.intersections import self_intersections
 from shapery_geometry.rasterize import rasterize
 from shapery_geometry.volume import Volume
 from shapery_segmentation._flood_kernels import flood
+from shapery_segmentation.borders import borders
 from shapery_segmentation.competition import compete
 from shapery_segmentation.evolution import Recorder, Scene
 from shapery_segmentation.flow.normal import FlowState, NormalFlowParams, normal_flow
 from shapery_segmentation.gate import REACH, dense
-from shapery_segmentation.neighborhoods import box_around, within, within_each
+from shapery_segmentation.neighborhoods import box_around, within
 from shapery_segmentation.objects import THIN_EDGE, Recovered
 from shapery_segmentation.preparation import averaged
 from shapery_segmentation.seeding.ball import seed_ball, surface_of
@@ -88,37 +87,11 @@ REGROWN = 4.0
 DEEPEST = 40.0
 """Units of the noise to which tolerances are cut for that."""
 
-LOCAL = 10.0
-"""mm: deviation of the Gaussian within which inside and outside are averaged for the border between them; the
-sensitivity of coils varies over more."""
-
 LARGEST_SURFACE = 40_000
 """Vertices at about which edges get longer instead."""
 
-FARTHEST = 10
-"""Voxels beyond which an object's surroundings are not looked at."""
-
-RING_FROM, RING = 1, 2
-"""Voxels from the region at which its surroundings begin at the earliest, and how far they are looked at."""
-
-FLAT = 0.05
-"""Share of the contrast; where a further voxel adds less, the surroundings are themselves and no mixture."""
-
-LEAST_SIDE = 0.1
-"""Share of the ring that must be darker (brighter) for the object to have a border to that side."""
-
-BEYOND = 1.25
-"""How much further from the object's median than the darker (brighter) half of its own voxels that share must be. Where
-the region stops short of the border, the ring holds voxels of the object, and their noise is no border."""
-
-LEAST_CONTRAST = 2.5
-"""Units of the noise by which the ring must differ, or there is no border to find."""
-
 MARGIN = 12
 """Voxels around the region in which the surface is worked out."""
-
-LARGEST_VALUE = 20.0
-"""U is cut to this; further inside it says nothing more."""
 
 HALF_CONTRAST = 8.0
 """Units of the noise at which the confidence in a border is 0.63."""
@@ -130,8 +103,6 @@ QUARTILE_TO_SIGMA = 3.138
 
 NEARBY, WIDER = 3, 1.2
 """Voxels around the seed from which the noise is taken, and the deviation in voxels of the wider average."""
-
-Polarity = Literal["bright", "dark", "between"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,7 +173,7 @@ def recover_object(
         part, inside = _refined(canonical, part, inside)
     spacing = float(part.voxel_volume ** (1 / 3))
     usable = None if target.box is None else _in_box(part, target.box) & within(inside, GIVE)
-    field, polarity, contrast = _borders(part, inside, noise)
+    field, polarity, contrast = borders(part, inside, noise)
     object_voxels, allowed = _gated(field, inside, usable)
     check_cancelled()
 
@@ -358,89 +329,6 @@ def _stillest(volume: NDArray[np.int64], most: int) -> int | None:
     while end + 1 < len(growth) and growth[end + 1] < CALM:
         end += 1
     return int(at[calm[0] + int(np.argmin(growth[calm[0] : end + 1]))])
-
-
-def _borders(volume: Volume, inside: BoolArray, noise: float) -> tuple[FloatArray, Polarity, float]:
-    """Return U, the polarity, and the contrast to the nearer side in units of the noise."""
-    data = volume.data.astype(np.float32)
-    outwards = _layers(inside)
-    if not (outwards[1] & ~inside).any():
-        raise InvalidInput("no_object_found", "The object fills the whole volume: it has no border in it.")
-    low = _border_below(data, outwards, noise, volume.spacing)
-    high = _border_below(-data, outwards, noise, volume.spacing)
-    contrasts = [side.contrast for side in (low, high) if side is not None]
-    if not contrasts:
-        raise InvalidInput(
-            "no_object_found",
-            f"What surrounds the seed differs from it by less than {LEAST_CONTRAST:g} times the noise: there is no "
-            "border to find.",
-            "Place the seed in the middle of the object, or draw a box around it.",
-        )
-    polarity: Polarity = "bright" if high is None else "dark" if low is None else "between"
-    above = data - low.level if low is not None else np.float32(np.inf)
-    below = -high.level - data if high is not None else np.float32(np.inf)
-    field = np.minimum(above, below) / np.float32(noise)
-    field = np.clip(field, -LARGEST_VALUE, LARGEST_VALUE).astype(np.float32)
-    sigma = 0.6 * float(volume.voxel_volume ** (1 / 3)) / np.array(volume.spacing)
-    return ndimage.gaussian_filter(field, sigma, mode="nearest"), polarity, float(min(contrasts))
-
-
-@dataclass(frozen=True, eq=False)
-class _Side:
-    """The border to one side: its level from place to place, and the contrast in units of the noise."""
-
-    level: FloatArray
-    contrast: float
-
-
-def _border_below(
-    data: FloatArray, outwards: list[BoolArray], noise: float, spacing: tuple[float, float, float]
-) -> _Side | None:
-    """Return the border to what is darker than the object; None where there is none.
-
-    It lies half-way between what is inside and what is outside, the latter taken where it no longer changes with the
-    distance from the region: next to the border the blur of the scanner mixes them, and the region often stops short.
-    """
-    inside = outwards[0]
-    middle = float(np.median(data[inside]))
-    darker = data < middle
-    profile = []
-    for near, far in pairwise(outwards):
-        shell = data[far & ~near & darker]
-        profile.append(middle - float(np.median(shell)) if shell.size else 0.0)
-    start = _flat(profile, RING_FROM)
-    ring = outwards[min(start + RING, len(outwards) - 1)] & ~outwards[start]
-    beyond = ring & darker
-    if np.count_nonzero(beyond) < LEAST_SIDE * np.count_nonzero(ring):
-        return None
-    outside = float(np.median(data[beyond]))
-    own_darker = BEYOND * abs(float(np.percentile(data[inside], 25.0)) - middle)
-    if middle - outside < max(LEAST_CONTRAST * noise, own_darker):
-        return None
-    level = np.float32(0.5) * (_local(data, inside, middle, spacing) + _local(data, beyond, outside, spacing))
-    return _Side(level, (middle - outside) / noise)
-
-
-def _layers(mask: BoolArray) -> list[BoolArray]:
-    """Return the voxels within 0, 1, … voxels of `mask`."""
-    wide = within_each(np.pad(mask, FARTHEST), range(FARTHEST + 1))
-    return [layer[tuple(slice(FARTHEST, -FARTHEST) for _ in range(3))] for layer in wide]
-
-
-def _flat(profile: list[float], start: int) -> int:
-    """Return from which place on, at `start` or later, a profile no longer rises."""
-    for at in range(start, len(profile) - 1):
-        if profile[at + 1] - profile[at] < FLAT * profile[at + 1]:
-            return at
-    return max(len(profile) - 1, 0)
-
-
-def _local(data: FloatArray, where: BoolArray, usual: float, spacing: tuple[float, float, float]) -> FloatArray:
-    """Return the mean of `data` over `where`, weighted by nearness; `usual` where there is none of it near."""
-    sigma = LOCAL / np.array(spacing)
-    weight = ndimage.gaussian_filter(where.astype(np.float32), sigma, mode="constant", truncate=3.0)
-    total = ndimage.gaussian_filter(np.where(where, data - np.float32(usual), 0), sigma, mode="constant", truncate=3.0)
-    return np.asarray(np.float32(usual) + total / (weight + np.float32(0.02)), dtype=np.float32)
 
 
 def _in_box(volume: Volume, box: NDArray[np.float64]) -> BoolArray:
