@@ -22,9 +22,10 @@ import numpy as np
 from benchmarks.motion import chapter, decoding, growth, report
 from benchmarks.motion.case import DATA, RESULTS, ROOT, TARGETS, Case, Method, load
 from benchmarks.motion.ours import affine_points, file, spectral_points
-from benchmarks.motion.quantised import delta_lzma, delta_parallelogram, draco
+from benchmarks.motion.quantised import delta_lzma, delta_parallelogram, delta_zstd, draco
 from benchmarks.motion.subspaces import clustered_pca, shape_pca, trajectory_pca
 from shapery_motion.errors import sequence_errors
+from shapery_motion.warm import warm
 
 KEPT = RESULTS / "motion"
 TOLD = 0.1
@@ -44,6 +45,7 @@ METHODS: dict[str, Method] = {
     "shape-pca": shape_pca,
     "delta-parallelogram": delta_parallelogram,
     "delta-lzma": delta_lzma,
+    "delta-zstd": delta_zstd,
     "draco": draco,
 }
 BASELINES: dict[str, Callable[[Case], Any]] = {
@@ -83,6 +85,8 @@ def child(name: str, method: str, targets: list[float]) -> None:
     case = load(name)
     place = KEPT / f"{name}.{method}.json"
     kept: dict[str, Any] = json.loads(place.read_text()) if place.exists() else {"points": {}}
+    # In a worker kernels are loaded once, not with every file.
+    warm()
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     if method in BASELINES:
         kept["points"] = BASELINES[method](case)

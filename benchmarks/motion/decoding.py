@@ -41,8 +41,10 @@ print(next(line.split()[1] for line in Path("/proc/self/status").read_text().spl
 
 OPEN = """(text) => {
   const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  const start = performance.now();
   window.motion = new smc.Motion(bytes);
   window.frame = window.motion.frame(0).slice();
+  return (performance.now() - start) / 1000;
 }"""
 PLAY = "(order) => { for (const index of order) window.motion.frame(index, window.frame); }"
 TURNS = 5
@@ -124,11 +126,16 @@ def _in_browser(browser: Any, script: str, place: Path, frames: int) -> dict[str
     page = opened(browser)
     page.add_script_tag(content=script)
     text, order = base64.b64encode(place.read_bytes()).decode(), _order(frames)
-    first = _taken(lambda: page.evaluate(OPEN, text))
+    clock: list[float] = []
+    first = _taken(lambda: clock.append(page.evaluate(OPEN, text)))
     page.evaluate(PLAY, order)
     all_frames = _taken(lambda: page.evaluate(PLAY, order * (TURNS - 1)))
     page.context.close()
-    return {"first_cpu_seconds": first, "frame_cpu_seconds": all_frames / (len(order) * (TURNS - 1))}
+    return {
+        "first_cpu_seconds": first,
+        "first_seconds": clock[0],
+        "frame_cpu_seconds": all_frames / (len(order) * (TURNS - 1)),
+    }
 
 
 def _taken(action: Callable[[], object]) -> float:

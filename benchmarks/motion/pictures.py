@@ -34,6 +34,7 @@ STYLES = {
     "shape-pca": ("#b39ad0", "D", "shape PCA"),
     "delta-parallelogram": ("#b8860b", "P", "delta + parallelogram"),
     "delta-lzma": ("#808080", "x", "delta + lzma"),
+    "delta-zstd": ("#b0b0b0", "+", "delta + zstd"),
     "draco": ("#333333", "*", "Draco"),
 }
 """Colour, mark and name of each method, the same in every panel and run."""

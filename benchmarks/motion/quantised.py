@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import lzma
 import time
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -30,20 +31,32 @@ def rounded(case: Case, kg: float) -> tuple[NDArray[np.int64], NDArray[np.float6
 
 
 def delta_lzma(case: Case, kg: float) -> Coded:
-    """Differences from the frame before, byte plane by byte plane, through lzma.
+    """Differences from the frame before, byte plane by byte plane, through lzma, which packs smaller than zstd."""
+    return _packed(case, kg, lambda plane: lzma.compress(plane, preset=6), lzma.decompress)
 
-    The data of such sequences is often kept like this (with zstd in place of lzma, which is not among the packages
-    here; lzma packs smaller).
+
+def delta_zstd(case: Case, kg: float) -> Coded | None:
+    """Differences from the frame before, byte plane by byte plane, through zstd.
+
+    The data of such sequences is often kept like this. Needs the package zstandard, which is not among those of
+    development.
     """
+    try:
+        codec: Any = importlib.import_module("zstandard")
+    except ModuleNotFoundError:
+        return None
+    return _packed(case, kg, codec.ZstdCompressor(level=19).compress, codec.ZstdDecompressor().decompress)
+
+
+def _packed(case: Case, kg: float, compress: Callable[[bytes], bytes], decompress: Callable[[bytes], bytes]) -> Coded:
     whole, decoded = rounded(case, kg)
     changes = np.diff(whole, axis=0, prepend=0).astype(np.int32).transpose(0, 2, 1)
     folded = ((changes << 1) ^ (changes >> 31)).astype("<u4")
     planes = np.ascontiguousarray(folded).view(np.uint8).reshape(-1, 4).T
-    used = [plane.tobytes() for plane in planes if plane.any()]
-    data = [lzma.compress(plane, preset=6) for plane in used]
+    data = [compress(plane.tobytes()) for plane in planes if plane.any()]
     start = time.process_time()
     for packed in data:
-        lzma.decompress(packed)
+        decompress(packed)
     seconds = time.process_time() - start
     return Coded(sum(map(len, data)) + 32, decoded, seconds)
 
