@@ -104,8 +104,6 @@ def report(found: dict[str, Any]) -> str:
                 f" Of the candidates for parts {row['parts_recall']:.1%} were the exact ones; they came in "
                 f"{row['parts_median_ms']:.0f} ms."
             )
-        if "index" not in row:
-            told += " This was before the index became finer and all shapes were measured for a part (migration 0006)."
         lines += ["## Candidates by pgvector", "", told, ""]
     return "\n".join(lines)
 
