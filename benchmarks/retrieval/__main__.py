@@ -186,9 +186,12 @@ def bank_growth() -> Found:
     return {"growth": growth([item.arg for item in watertight()], [10**k for k in range(2, 7)])}
 
 
-def halves() -> list[Query]:
-    """Return halves of ten shapes as queries."""
-    return [part_of(cropped(0.5)(mesh_of(n), np.random.default_rng(999 + n))) for n in NUMBERS[5::40]]
+def halves() -> dict[str, Query]:
+    """Return halves of ten shapes as queries, by the names of their classes."""
+    return {
+        CLASSES[LABELS[n - 1]]: part_of(cropped(0.5)(mesh_of(n), np.random.default_rng(999 + n)))
+        for n in NUMBERS[5::40]
+    }
 
 
 def parts_growth() -> Found:
@@ -201,7 +204,7 @@ def on_pgvector() -> Found:
     """Candidates by pgvector."""
     from benchmarks.retrieval.postgres import on_postgres
 
-    return {"postgres": on_postgres([item.arg for item in watertight()], halves(), 100_000)}
+    return {"postgres": on_postgres([item.arg for item in watertight()], [*halves().values()], 100_000)}
 
 
 PARTS_OF_IT: dict[str, Callable[[], Found]] = {

@@ -88,6 +88,7 @@ AIMS = (
     Aim("area whose part is matched right, of 16 parts", 0.85, True, _level(1)),
     Aim("the same of 32 parts", 0.85, True, _level(2)),
     Aim("of 32 parts, or with a part that is as good but for a tenth", 0.85, True, _level(2, "as_good")),
+    Aim("of 32 parts, laid on the other with their own borders", 0.85, True, _level(2, "laid_right")),
     Aim("indexing 2,500 vertices, CPU s", 0.6, False, lambda found: sum(found["index_cpu_seconds"].values()), ".2f"),
     Aim("indexing a scan of 100,000 faces, CPU s", 3.0, False, lambda f: _most(_scans(f), "cpu_seconds"), ".2f"),
     Aim(

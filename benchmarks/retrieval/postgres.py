@@ -11,14 +11,13 @@ import numpy as np
 import psycopg
 
 from benchmarks.retrieval.growth import CHUNK, Grown, _over
-from benchmarks.retrieval.parts_growth import Moving, Query
+from benchmarks.retrieval.parts_growth import Joined, Query
 from shapery_contracts.retrieval import INDEX_VERSION, VECTOR_DIMENSION, Nearest
 from shapery_platform.db import Database, new_id
 from shapery_retrieval.arg import Arg
 from shapery_retrieval.coverage import asked_of
 from shapery_retrieval.job import CANDIDATES, PARTIAL_CANDIDATES
 from shapery_retrieval.packing import pack_levels, whole_arrays
-from shapery_retrieval.patches import patches_of
 from shapery_retrieval.vector import vectors_of
 from shapery_worker.bank import Banks, VectorTable
 from tests.support.postgres import postgres_server
@@ -38,7 +37,7 @@ def on_postgres(args: Sequence[Arg], parts: Sequence[Query], size: int, queries:
     The server is the one of the tests: 32 MB of shared buffers, no settings for speed of reading.
     """
     bank = Grown(args, size)
-    covered = Moving(bank, [patches_of(arg) for arg in args], size).covered
+    covered = Joined(args, size).covered
     table, part_table = VectorTable(), VectorTable()
     ids = [new_id() for _ in range(size)]
     place_of = {str(shape): place for place, shape in enumerate(ids)}

@@ -48,10 +48,14 @@ def report(found: dict[str, Any]) -> str:
             "Carried: by the plan, between the same two parts as by the vertices, where a part may go to several.",
             "Overlapping: a quarter of either lies in the other. Repeatable: what stays in its part if every part is",
             "matched right.", "",
-            "| poses | right | as good | carried | overlapping | repeatable |", "|---|---|---|---|---|---|",
+            "The last three are of a pose's parts as they lie on the other, with their own borders. Laid right: the",
+            "share of the area of parts most of whose vertices lie where they were laid. Laid area: the share of the",
+            "area that does. Laid parts: how many lie anywhere.", "",
+            "| poses | right | as good | carried | overlapping | repeatable | laid right | laid area | laid parts |",
+            "|---" * 9 + "|",
         ]  # fmt: skip
         for name, row in found["correspondence"].items():
-            figures = " | ".join(f"{row[key]:.3f}" for key in CORRESPONDENCE)
+            figures = " | ".join(f"{row[key]:.{1 if key == 'laid_parts' else 3}f}" for key in CORRESPONDENCE)
             lines.append(f"| {name} | {figures} |")
         lines.append("")
     if "index_cpu_seconds" in found:
@@ -82,14 +86,24 @@ def report(found: dict[str, Any]) -> str:
     if "parts_growth" in found:
         lines += [
             "## Parts in banks that grow", "",
-            "Halves of shapes: how many of the twenty best of a search that looks at all shapes are found where the",
-            "six hundred nearest by the vectors of parts are looked at; how often the best is the same; the median",
-            "rank by vector of those twenty; CPU milliseconds of a scan of vectors, and of comparing patches.", "",
-            "| shapes | twenty best | best | rank | scan | compare |", "|---|---|---|---|---|---|",
+            "Halves of shapes as queries, in banks of shapes that are joined of halves of two real ones. Of the twenty",
+            "best of a search that looks at all shapes: how many are among the six hundred nearest by the vectors of",
+            "parts, how many are found there; what the twenty found score in the former search, over its own; how",
+            "often the best is the same; the median rank by vector of the twenty; CPU milliseconds of a scan of",
+            "vectors, and of comparing patches.", "",
+            "| shapes | among 600 | found | score | best | rank | scan | compare |", "|---" * 8 + "|",
         ]  # fmt: skip
         for row in found["parts_growth"]:
-            spent = f"{1000 * row['scan']:.1f} | {1000 * row['compare']:.1f}"
-            lines.append(f"| {row['size']:,} | {row['kept']:.1%} | {row['first']:.0%} | {row['rank']:,.0f} | {spent} |")
+            kept = (
+                f"{row['among']:.1%} | {row['kept']:.1%} | {row['score']:.3f} | {row['first']:.0%} | {row['rank']:,.0f}"
+            )
+            lines.append(f"| {row['size']:,} | {kept} | {1000 * row['scan']:.1f} | {1000 * row['compare']:.1f} |")
+        largest = found["parts_growth"][-1]
+        lines += ["", f"By the class of the half, among {largest['size']:,}:", ""]
+        lines += ["| half of a | among 600 | found | score | rank |", "|---" * 5 + "|"]
+        for name, row in largest["queries"].items():
+            figures = f"{row['among']:.0%} | {row['kept']:.0%} | {row['score']:.3f} | {row['rank']:,.0f}"
+            lines.append(f"| {name} | {figures} |")
         lines.append("")
     if "postgres" in found:
         row = found["postgres"]

@@ -1,6 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { Brush, paintedParts } from "@/viewers/shape/brush";
-import { cssColor, matchedColors, partColor } from "@/viewers/shape/colors";
+import { colorLaid } from "@/features/shapes/coloring";
+import { cssColor, matchedColors, partColor, UNMATCHED } from "@/viewers/shape/colors";
 import { readGlb, type ShapeMesh } from "@/viewers/shape/glb";
 import { graphOf } from "@/viewers/shape/graph";
 import { modelOf } from "@/viewers/shape/model";
@@ -244,6 +245,21 @@ describe("model and graph", () => {
 
   it("refuses parts of another mesh", () => {
     expect(() => modelOf(glb(mesh), { vertices: 9, levels: [] })).toThrow("do not fit together");
+  });
+
+  it("shows the query's parts where they lie on a found shape, and gray where none does", () => {
+    const other = strip(2);
+    const components = { vertices: 6, levels: [{ level: 0, labels: Array(6).fill(0) as number[] }] };
+    const found = modelOf(glb(other), { ...components, cells: [0, 0, 1, 1, 2, 2] });
+    const colors = colorLaid(found, [3, 0, -1], model, 1, UNMATCHED) as Float32Array;
+    const { faces } = found.surface;
+    faces.forEach((vertex, i) => {
+      // part 3 lies in part 1 of the coarser level, part 0 in part 0
+      const expected = [partColor(1), partColor(0), UNMATCHED][Math.floor(vertex / 2)] as readonly number[];
+      expect([...colors.subarray(3 * i, 3 * i + 3)]).toEqual([...new Float32Array(expected)]);
+    });
+    expect(colorLaid(modelOf(glb(other), components), [3, 0, -1], model, 1, UNMATCHED)).toBeNull();
+    expect(colorLaid(found, [], model, 1, UNMATCHED)).toBeNull();
   });
 
   it("ties each part to its neighbours and to the one that holds it", () => {

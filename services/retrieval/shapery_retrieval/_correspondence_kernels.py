@@ -163,3 +163,33 @@ def gathered_by_parts(plan, parts, count, parts2, count2):
             if parts2[j] >= 0:
                 into[parts2[j]] += of[j]
     return result
+
+
+@njit(**FAST)
+def overlaid(plan, parts, count, masses2, bare):
+    """(t,) the part of which a plan (s, t) brings the most to each sample of the other surface.
+
+    It is −1 where less comes, for the sample's share of the surface, than `bare` of what comes on average.
+    """
+    t = plan.shape[1]
+    brought = np.zeros((count, t), dtype=np.float32)
+    for i in range(len(parts)):
+        if parts[i] >= 0:
+            into, of = brought[parts[i]], plan[i]
+            for j in range(t):
+                into[j] += of[j]
+    density = np.zeros(t, dtype=np.float32)
+    result = np.zeros(t, dtype=np.int64)
+    mean = np.float32(0.0)
+    for j in range(t):
+        total, most = np.float32(0.0), np.float32(-1.0)
+        for part in range(count):
+            total += brought[part, j]
+            if brought[part, j] > most:
+                result[j], most = part, brought[part, j]
+        density[j] = total / max(masses2[j], np.float32(1e-12))
+        mean += total * density[j]
+    for j in range(t):
+        if density[j] < bare * mean:
+            result[j] = -1
+    return result

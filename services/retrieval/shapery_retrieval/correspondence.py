@@ -43,6 +43,7 @@ FINE_EPSILON = np.float32(0.01)
 """Entropy of the plans of all samples: from their distances to the coarse ones, then to those around them."""
 AROUND = 12
 """By so many nearest samples each finds its place at last. A pose keeps short distances better than long ones."""
+BARE = np.float32(0.1)
 
 Array32 = NDArray[np.float32]
 
@@ -173,6 +174,16 @@ def between_parts(plan: Array32, query: SampledSurface, other: SampledSurface) -
     return [
         kernels.gathered_by_parts(plan, *here, *there) for here, there in zip(query.parts, other.parts, strict=True)
     ]
+
+
+def overlaid(plan: Array32, query: SampledSurface, other: SampledSurface) -> NDArray[np.int64]:
+    """(t,) the part of the query's finest level that lies on each sample of another surface; −1 where none does.
+
+    Nothing lies where a plan that may leave samples bare brings less than `BARE` of what it brings on average to where
+    it brings anything.
+    """
+    numbers, count = query.parts[-1]
+    return np.asarray(kernels.overlaid(plan, numbers, count, other.masses, BARE))
 
 
 @lru_cache(maxsize=1)

@@ -46,19 +46,23 @@ class Description:
     decomposition: Decomposition
     seconds: dict[str, float]
 
-    def labels_on(self, mesh: TriangleMesh, level: int) -> NDArray[np.int64]:
-        """(n,) part of each vertex of another version of the same surface, in the given mesh's own frame and unit.
+    def cells_on(self, mesh: TriangleMesh) -> NDArray[np.int64]:
+        """(n,) sample in whose cell each vertex of another version of the same surface lies.
+
+        Parameters
+        ----------
+        mesh
+            In the frame and unit of the mesh that was described.
 
         Notes
         -----
-        Each vertex takes the part of the nearest point of the analysed surface.
+        Each vertex takes the cell of the nearest point of the analysed surface.
         """
-        labels = self.decomposition.vertex_labels(level)
         own = self.normalised
         placed = (mesh.vertices - own.centre) * own.scale
         nearest = closest_points(own.mesh, placed)
         corner = own.mesh.faces[nearest.faces, np.argmax(nearest.barycentric, axis=1)]
-        return np.asarray(labels[corner])
+        return np.asarray(self.decomposition.samples.cells[corner])
 
     @one_blas_thread()
     def hypotheses(self) -> list[Patches]:

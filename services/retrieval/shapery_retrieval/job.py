@@ -302,7 +302,17 @@ def _told(hit: Hit, numbers: PartNumbers | None) -> dict[str, Any]:
         "matches": [
             {"query": i if called is None else called[i], "found": j, "weight": round(w, 6)} for i, j, w in best.pairs()
         ],
+        "cells": _called(hit.match.overlaid, None if numbers is None else numbers[-1]),
     }
+
+
+def _called(parts: NDArray[np.int64], numbers: NDArray[np.int64] | None) -> list[int]:
+    """Return what parts are called; −1, which is of no part, stays."""
+    found: list[int] = parts.tolist()
+    if numbers is None:
+        return found
+    names = [*numbers.tolist(), -1]
+    return [names[part] for part in found]
 
 
 def _shares_of_parts(arg: Arg, parts: list[int]) -> list[NDArray[np.float64]]:

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapery_retrieval.arg import Arg
-from shapery_retrieval.correspondence import SampledSurface, between_parts, lay, surface_of
+from shapery_retrieval.correspondence import SampledSurface, between_parts, lay, overlaid, surface_of
 from shapery_retrieval.packing import level_distances
 from shapery_retrieval.vector import PackedGraphs, cue_distances, pack
 from shapery_retrieval.vocabulary import vocabulary
@@ -69,11 +69,15 @@ class Match:
         From the root, or for a partial match from the level below it, to the finest.
     best_level
         The level of the highest score below the root.
+    overlaid : (t,) int64
+        For each sample of the other shape the part of the query's finest level that lies on it, or −1. The other's own
+        parts end elsewhere, for borders move with the pose; so laid, the query's parts keep their borders.
     """
 
     score: float
     levels: tuple[LevelMatch, ...]
     best_level: int
+    overlaid: NDArray[np.int64]
 
 
 def match(query: Arg, other: Arg, *, partial: bool = False) -> Match:
@@ -132,7 +136,7 @@ def match_packed(
         for number, carried in enumerate(between_parts(plan, own_surface, surface), start=1):
             levels.append(LevelMatch(number, float(below[row, number - 1]), carried))
         score = float(below[row, best - 1]) if partial else sum(level.score for level in levels) / len(levels)
-        matches.append(Match(score, tuple(levels), best))
+        matches.append(Match(score, tuple(levels), best, overlaid(plan, own_surface, surface)))
     return matches
 
 

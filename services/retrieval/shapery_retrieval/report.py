@@ -78,13 +78,18 @@ def write_outputs(mesh: TriangleMesh, found: Description, folder: Path, preview_
 
 
 def write_views(mesh: TriangleMesh, found: Description, folder: Path) -> TriangleMesh:
-    """Write ``mesh.glb`` and ``components.json``, the part of each of its vertices by level; return what is shown."""
+    """Write ``mesh.glb`` and ``components.json``; return what is shown.
+
+    The latter holds for each vertex of the former its part on each level, and the cell that it lies in: that of the
+    nearest sample, of which parts consist.
+    """
     shown = web_mesh(mesh)
     write_scene_glb([("shape", shown, _COLOUR)], folder / "mesh.glb")
-    labels = [found.labels_on(shown, level).tolist() for level in range(len(found.arg.levels))]
+    cells = found.cells_on(shown)
     components = {
         "vertices": len(shown.vertices),
-        "levels": [{"level": k, "labels": row} for k, row in enumerate(labels)],
+        "levels": [{"level": k, "labels": of[cells].tolist()} for k, of in enumerate(found.decomposition.levels)],
+        "cells": cells.tolist(),
     }
     (folder / "components.json").write_text(json.dumps(components, separators=(",", ":")))
     return shown

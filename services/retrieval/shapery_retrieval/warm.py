@@ -14,7 +14,7 @@ def warm() -> None:
     ball = icosphere(subdivisions=3)
     egg = ball.with_vertices(ball.vertices * [1.0, 1.3, 2.0])
     found = [describe(mesh) for mesh in (ball, egg)]
-    found[1].labels_on(egg, 1)
+    found[1].cells_on(egg)
     searcher = Searcher.of({"ball": found[0].arg, "egg": found[1].arg})
     searcher.search(found[0].arg)
     searcher.search(found[0].arg, partial=True)

@@ -81,7 +81,8 @@ class ShapeIndexResult(BaseModel):
     """What ``report.json`` holds and the API returns.
 
     Artifacts: ``shape.arg`` (the attributed relational graph), ``mesh.glb`` (for viewers), ``components.json`` (for
-    each level the part of every vertex of ``mesh.glb``), ``preview.png``, ``report.json``.
+    each level the part of every vertex of ``mesh.glb``, and the cell of each, of which parts consist), ``preview.png``,
+    ``report.json``.
     """
 
     index_version: int
@@ -164,6 +165,10 @@ class ShapeHit(BaseModel):
     level_scores: list[float]
     """Score of each level, from the coarsest."""
     matches: list[PartMatch]
+    cells: list[int] = []
+    """For each cell of the found shape, as its ``components.json`` numbers them, the part of the query's finest level
+    that lies there, or -1. Borders of parts move with the pose; cells show the query's parts with their own borders on
+    the found shape. Empty in results of earlier versions."""
 
 
 class ShapeSearchResult(BaseModel):

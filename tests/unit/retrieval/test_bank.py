@@ -204,6 +204,12 @@ def test_searching_by_mesh_by_region_and_by_name(tmp_path: Path, bank: LocalBank
     parts = json.loads((context.output / "components.json").read_text())
     assert [len(level["labels"]) for level in parts["levels"]] == [len(shown.vertices)] * 3
     assert all(match.query <= max(parts["levels"][hit.level]["labels"]) for hit in found.hits for match in hit.matches)
+    # each vertex lies in a cell, and parts consist of cells; which part lies on a cell of a found shape is told
+    assert len(parts["cells"]) == len(shown.vertices)
+    assert len(set(zip(parts["cells"], parts["levels"][2]["labels"], strict=True))) == len(set(parts["cells"]))
+    for hit in found.hits:
+        assert len(hit.cells) == len(Arg.from_bytes(bank.args([hit.shape_id])[hit.shape_id]).whole["patch_parts"])
+        assert set(hit.cells) <= set(parts["levels"][2]["labels"])
 
     (tmp_path / "part").mkdir()
     part = handler.run(ShapeSearchParams(region=list(range(900))), inputs, Context(tmp_path / "part", bank))
@@ -218,6 +224,7 @@ def test_searching_by_mesh_by_region_and_by_name(tmp_path: Path, bank: LocalBank
     finest = Arg.from_bytes(bank.args(["egg"])["egg"]).levels[2]
     known = {1: set(finest.parents[[9, 11, 30]].tolist()), 2: {9, 11, 30}}
     assert all({match.query for match in hit.matches} <= known[hit.level] for hit in named.hits)
+    assert all(set(hit.cells) <= {-1, 9, 11, 30} for hit in named.hits)
     assert [path.name for path in (tmp_path / "name" / "output").iterdir()] == ["results.json"]
 
 

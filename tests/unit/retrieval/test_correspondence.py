@@ -107,6 +107,32 @@ def test_levels_agree_and_keep_the_areas(upright: Description, leaning: Descript
         np.testing.assert_allclose(np.bincount(parts, surface.masses, count), level.masses, atol=1e-4)
 
 
+def test_parts_laid_on_another_pose_keep_their_borders(upright: Description, leaning: Description) -> None:
+    own = upright.decomposition.levels[-1][upright.cells_on(body())]
+    found = match(upright.arg, leaning.arg)
+    cells = leaning.cells_on(body(0.25))
+    laid = found.overlaid[cells]
+    # the body's vertices are numbered alike in both poses
+    kept = (own == laid).mean()
+    partner = np.array([j for _, j, _ in found.levels[-1].pairs()])
+    matched = (partner[own] == leaning.decomposition.levels[-1][cells]).mean()
+    assert kept > 0.65
+    assert kept > matched + 0.05
+    itself = match(upright.arg, upright.arg).overlaid
+    assert (itself == upright.decomposition.levels[-1]).mean() > 0.98
+
+
+def test_parts_of_a_region_lie_on_it_and_nowhere_else(upright: Description) -> None:
+    levels = upright.arg.levels
+    chosen = int(np.argmax(levels[1].masses))
+    shares = [np.ones(1), (np.arange(levels[1].parts) == chosen) * 1.0, (levels[2].parents == chosen) * 1.0]
+    laid = match(region_of(upright.arg, shares), upright.arg, partial=True).overlaid
+    inside = upright.decomposition.levels[1] == chosen
+    areas = upright.decomposition.samples.areas
+    assert areas[(laid >= 0) == inside].sum() > 0.9
+    assert set(laid.tolist()) <= {-1, *range(int((levels[2].parents == chosen).sum()))}
+
+
 def test_a_plan_turned_over_is_the_plan_backwards(upright: Description, leaning: Description) -> None:
     here, there = surface_of(upright.arg), surface_of(leaning.arg)
     np.testing.assert_allclose(lay(here, there), lay(there, here).T, atol=1e-6)

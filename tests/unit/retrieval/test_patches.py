@@ -110,10 +110,13 @@ def test_what_a_shape_covers_and_a_part_asks_for(
     # 16 bits, in which PostgreSQL keeps vectors, hold what tells shapes apart
     rounded = np.square(covered.astype(np.float16).astype(float) - asked.astype(np.float16)).sum(axis=1)
     assert abs((rounded[1] - rounded[0]) / (apart[1] - apart[0]) - 1) < 0.02
-    # each hypothesis counts alike
-    shares = [asked_of([one])[:WORDS] for one in hypotheses]
-    mean = sum(share / share.sum() for share in shares)
-    np.testing.assert_allclose(asked[:WORDS], mean * np.sqrt(WORDS / (mean @ mean)), atol=1e-4)
+    # what covers everything alike, however well, is not what is asked for
+    assert np.full(WORDS, 0.7) @ asked[:WORDS] == pytest.approx(0, abs=1e-9)
+    # every hypothesis has a say
+    shares = np.stack([asked_of([one])[:WORDS] for one in hypotheses], axis=1)
+    say, rest = np.linalg.lstsq(shares, asked[:WORDS], rcond=None)[:2]
+    assert (say > 0.05).all()
+    assert rest == pytest.approx(0, abs=1e-9)
 
 
 def test_of_each_word_the_nearest_patch_counts() -> None:

@@ -1752,6 +1752,11 @@ export interface components {
          * @description One shape that was found, with what a viewer shows of it.
          */
         SearchHit: {
+            /**
+             * Cells
+             * @default []
+             */
+            cells: number[];
             /** Level */
             level: number;
             /** Level Scores */
@@ -2145,6 +2150,11 @@ export interface components {
          * @description One shape that was found.
          */
         ShapeHit: {
+            /**
+             * Cells
+             * @default []
+             */
+            cells: number[];
             /** Level */
             level: number;
             /** Level Scores */
@@ -2203,7 +2213,8 @@ export interface components {
          * @description What ``report.json`` holds and the API returns.
          *
          *     Artifacts: ``shape.arg`` (the attributed relational graph), ``mesh.glb`` (for viewers), ``components.json`` (for
-         *     each level the part of every vertex of ``mesh.glb``), ``preview.png``, ``report.json``.
+         *     each level the part of every vertex of ``mesh.glb``, and the cell of each, of which parts consist), ``preview.png``,
+         *     ``report.json``.
          */
         ShapeIndexResult: {
             /** Area */

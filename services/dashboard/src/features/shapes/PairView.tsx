@@ -10,7 +10,7 @@ import { ViewLink } from "@/viewers/shape/ViewLink";
 import { Tool } from "@/viewers/Tool";
 import { NoWebGL, ViewerComing } from "@/viewers/ViewerFrame";
 import { hasWebGL } from "@/viewers/webgl";
-import { colorLevel, colorParts, facesOf } from "./coloring";
+import { colorLaid, colorLevel, colorParts, facesOf } from "./coloring";
 import { best } from "./HitList";
 import { PaintPanel } from "./PaintPanel";
 import type { SearchAddress } from "./searching";
@@ -53,9 +53,14 @@ export function PairView({ name, files, hit, parts, address }: PairViewProps) {
     const painted = new Map<number, Rgb>(region.split(" ").map((part) => [Number(part), PAINT]));
     return colorParts(query.data, finest(query.data), painted, UNMATCHED);
   }, [query.data, matched, hit, region]);
+  const laidColors = useMemo(
+    () => (found.data && query.data && hit ? colorLaid(found.data, hit.cells, query.data, hit.level, UNMATCHED) : null),
+    [found.data, query.data, hit],
+  );
   const foundColors = useMemo(
-    () => (found.data && matched && hit ? colorParts(found.data, hit.level, matched.found, UNMATCHED) : null),
-    [found.data, matched, hit],
+    () =>
+      laidColors ?? (found.data && matched && hit ? colorParts(found.data, hit.level, matched.found, UNMATCHED) : null),
+    [laidColors, found.data, matched, hit],
   );
   // A region is looked at from where it shows; whole shapes from where their pictures do.
   const [queryFocus, foundFocus] = useMemo(() => {
@@ -132,7 +137,9 @@ export function PairView({ name, files, hit, parts, address }: PairViewProps) {
           <Text size="sm" c="dimmed" data-testid="pair">
             {hit.shape.name || "This one"}: score {hit.score.toFixed(2)}, best on {best(hit)}.{" "}
             {hasWebGL()
-              ? `The same color means that the parts were matched (${counts}); gray was matched with nothing. Both turn together.`
+              ? laidColors
+                ? `Each part of the example has its color where it lies on the found shape (matched: ${counts}); nothing lies on gray. Both turn together.`
+                : `The same color means that the parts were matched (${counts}); gray was matched with nothing. Both turn together.`
               : `Parts that were matched: ${counts}.`}
           </Text>
         )

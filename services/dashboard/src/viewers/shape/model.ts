@@ -12,6 +12,8 @@ export interface ShapeModel {
   parts: (level: number) => Int32Array | null;
   /** The part of each vertex. */
   labels: (level: number) => readonly number[] | null;
+  /** The cell of each vertex; null where the shape was indexed before there were any. */
+  cells: readonly number[] | null;
   /** Where each of `count` parts is. */
   centers: (level: number, count: number) => (Vector | null)[];
 }
@@ -19,6 +21,7 @@ export interface ShapeModel {
 interface Components {
   vertices: number;
   levels: { level: number; labels: number[] }[];
+  cells?: number[];
 }
 
 export function modelOf(content: ArrayBuffer, components: Components): ShapeModel {
@@ -31,6 +34,7 @@ export function modelOf(content: ArrayBuffer, components: Components): ShapeMode
     levels: components.levels.map(({ level }) => level),
     parts: (level) => parts.get(level) ?? null,
     labels: (level) => components.levels.find((one) => one.level === level)?.labels ?? null,
+    cells: components.cells ?? null,
     centers: (level, count) => {
       const own = parts.get(level);
       return own ? partCenters(surface, own, count) : new Array<null>(count).fill(null);
