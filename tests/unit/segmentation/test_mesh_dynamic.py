@@ -527,3 +527,20 @@ def test_the_fast_test_for_contacts_says_what_the_plain_one_says() -> None:
         answers.append(mesh.touches_itself())
         assert answers[-1] == (mesh.contacts() > 0)
     assert 3 < sum(answers) < len(answers) - 3
+
+
+def test_what_is_mended_around_the_contacts_is_sound_as_a_whole() -> None:
+    rng = np.random.default_rng(5)
+    mended = []
+    for count in (1, 3, 6, 12) * 3:
+        mesh = DynamicMesh(icosphere(radius=3.0, subdivisions=3), 0.5)
+        chosen = rng.choice(mesh.live, count, replace=False)
+        # Through the other side, so that much is pierced.
+        mesh.arrays.points[chosen, :3] *= -1.1
+        mesh.arrays.points[:, :3] = mesh.arrays.points[:, :3].astype(np.float32)
+        grid.measure_all(mesh.arrays)
+        touched = mesh.contacts() > 0
+        sound = mesh.mend(6)
+        assert sound == (mesh.contacts() == 0)
+        mended.append(touched and sound)
+    assert sum(mended) > 3

@@ -9,23 +9,16 @@ import numpy as np
 
 from shapery_segmentation.mesh._cells_kernels import ANY, gather, note_face, sort_faces
 from shapery_segmentation.mesh._contact_kernels import cross, dot, subtract, touching
-from shapery_segmentation.mesh._grid_kernels import SINGLE, corners, measure_face, normal, point
+from shapery_segmentation.mesh._grid_kernels import corners, measure_face, normal, point
 from shapery_segmentation.mesh._operation_kernels import compactness, following, origin, preceding, twin
 from shapery_segmentation.mesh.arrays import (
     AREA,
     CLEARANCE,
-    FACE_COUNT,
-    FACE_TOP,
-    INVERSE_CELL,
     LARGEST_RADIUS,
-    MASK,
     NORMAL,
-    ORIGIN,
     OUT,
     RADIUS,
-    SHIFT,
     STAMP,
-    VERTEX_TOP,
 )
 from shapery_segmentation.mesh.compiled import inlined, inner, kernel
 
@@ -46,7 +39,7 @@ LEAST_TILT = 0.25
 
 
 @inner
-def _is_graph(m, v):
+def is_graph(m, v):
     """Return whether the star of `v` certainly projects one to one onto the plane across its mean normal.
 
     Then no two of its faces have more in common than they share. Every face must look the way of the mean, so that the
@@ -101,7 +94,7 @@ def faces_touch(m, f, g):
 
 
 @inlined
-def _beyond_plane(points, n, o, a, b, c, gap):
+def beyond_plane(points, n, o, a, b, c, gap):
     """Return whether vertices a, b and c lie on one side of the plane with normal `n` through vertex `o`."""
     level = n[0] * points[o, 0] + n[1] * points[o, 1] + n[2] * points[o, 2]
     s = n[0] * points[a, 0] + n[1] * points[a, 1] + n[2] * points[a, 2] - level
@@ -111,7 +104,7 @@ def _beyond_plane(points, n, o, a, b, c, gap):
 
 
 @inner
-def _contact(m, cells, f, slack, batch, limit, found):
+def contact(m, cells, f, slack, batch, limit, found):
     """Return a face that touches face `f` and shares no vertex with it, or −1.
 
     Only those are tested the product of whose normals is below `limit`. Faces below `f` with the stamp `batch`, if that
@@ -129,9 +122,9 @@ def _contact(m, cells, f, slack, batch, limit, found):
         j0, j1, j2 = corners(m, g)
         if i0 in (j0, j1, j2) or i1 in (j0, j1, j2) or i2 in (j0, j1, j2):
             continue
-        if _beyond_plane(m.points, own, i0, j0, j1, j2, gap):
+        if beyond_plane(m.points, own, i0, j0, j1, j2, gap):
             continue
-        if not _beyond_plane(m.points, normal(m, g), j0, i0, i1, i2, gap) and faces_touch(m, f, g):
+        if not beyond_plane(m.points, normal(m, g), j0, i0, i1, i2, gap) and faces_touch(m, f, g):
             return g
     return np.int64(-1)
 
@@ -170,7 +163,7 @@ def _spoiled(m, f):
 @inner
 def _mend_star(m, cells, v, batch, state, old, queue, size):
     """Put back the movers of faces around `v` that touch each other; return the new length of the queue."""
-    if _is_graph(m, v):
+    if is_graph(m, v):
         return size
     start = np.int64(m.vertices[v, OUT])
     h = start
@@ -253,7 +246,7 @@ def _verify(m, cells, moves, batch, clear, drift):
         if not _spoiled(m, f):
             if _is_clear(m, f, clear):
                 continue
-            g = _contact(m, cells, f, drift, batch, limit, found)
+            g = contact(m, cells, f, drift, batch, limit, found)
         if g >= 0:
             moves.wrong[wrong, 0] = f
             moves.wrong[wrong, 1] = g
@@ -283,7 +276,7 @@ def _verify(m, cells, moves, batch, clear, drift):
             if _spoiled(m, f):
                 size = _put_back(m, cells, f, batch, state, old, queue, size)
             else:
-                g = _contact(m, cells, f, slack, 0, limit, found)
+                g = contact(m, cells, f, slack, 0, limit, found)
                 if g >= 0:
                     size = _put_back(m, cells, f, batch, state, old, queue, size)
                     size = _put_back(m, cells, g, batch, state, old, queue, size)
@@ -310,7 +303,7 @@ def verify(m, cells, moves, batch, clear, drift):
     clear : (V,) int8
         Where this is given, not everything is tested: of faces that share no vertex, those whose vertices all have 1
         here are left out, and pairs whose normals look the same way (`OPPOSED`); of stars, those around a 1. Whoever
-        gives it has to ask `has_contacts` in the end.
+        gives it has to ask `_whole_kernels.find_contacts` in the end.
     drift : float
         How far in mm faces may be from where they were sorted. If that is far, they are sorted anew.
 
@@ -377,148 +370,3 @@ def _first_stamped(m, first, batch):
         if h == first:
             break
     return h
-
-
-@inner
-def _touches_later(m, cells, at, gap):
-    """Return whether the face at place `at` of `cells` touches one at a later place that it shares no vertex with."""
-    start, records, names = cells.start, cells.records, cells.names
-    f = np.int64(names[at])
-    i0, i1, i2 = corners(m, f)
-    own = normal(m, f)
-    px, py, pz, radius = records[at, 0], records[at, 1], records[at, 2], records[at, RADIUS] + np.float32(gap)
-    inverse = m.bound[INVERSE_CELL]
-    rounding = np.float32(SINGLE) * (abs(px) + abs(py) + abs(pz))
-    reach = np.float64(radius) + m.bound[LARGEST_RADIUS] + rounding
-    nx, ny, nz = records[at, NORMAL], records[at, NORMAL + 1], records[at, NORMAL + 2]
-    off = np.float32(gap) + rounding
-    mx, my, mz = m.layout[MASK], m.layout[MASK + 1], m.layout[MASK + 2]
-    x0, x1 = np.int64(np.floor((px - reach) * inverse)), np.int64(np.floor((px + reach) * inverse))
-    y0, y1 = np.int64(np.floor((py - reach) * inverse)), np.int64(np.floor((py + reach) * inverse))
-    z0, z1 = np.int64(np.floor((pz - reach) * inverse)), np.int64(np.floor((pz + reach) * inverse))
-    # Where the reach exceeds the period, every cell is visited once.
-    x1, y1, z1 = min(x1, x0 + mx), min(y1, y0 + my), min(z1, z0 + mz)
-    first = z0 & mz
-    last = first + (z1 - z0)
-    for x in range(x0, x1 + 1):
-        for y in range(y0, y1 + 1):
-            row = ((x & mx) << m.layout[SHIFT]) | ((y & my) << m.layout[SHIFT + 1])
-            if start[row + mz + 1] <= at:
-                continue
-            for part in range(2):
-                if part == 0:
-                    a, b = start[row + first], start[row + min(last, mz) + 1]
-                elif last > mz:
-                    a, b = start[row], start[row + (last & mz) + 1]
-                else:
-                    break
-                for i in range(max(a, at + 1), b):
-                    dx, dy, dz = records[i, 0] - px, records[i, 1] - py, records[i, 2] - pz
-                    near = radius + records[i, RADIUS]
-                    # Out of reach, or its sphere beyond the plane of `f`.
-                    height = abs(dx * nx + dy * ny + dz * nz)
-                    if (dx * dx + dy * dy + dz * dz > near * near) | (height > records[i, RADIUS] + off):
-                        continue
-                    g = np.int64(names[i])
-                    j0, j1, j2 = corners(m, g)
-                    if i0 in (j0, j1, j2) or i1 in (j0, j1, j2) or i2 in (j0, j1, j2):
-                        continue
-                    if _beyond_plane(m.points, own, i0, j0, j1, j2, gap):
-                        continue
-                    if not _beyond_plane(m.points, normal(m, g), j0, i0, i1, i2, gap) and faces_touch(m, f, g):
-                        return True
-    return False
-
-
-@kernel
-def has_contacts(m, cells):
-    """Return whether any two faces have more in common than they share.
-
-    Parameters
-    ----------
-    m, cells
-        Mesh and its faces sorted by cell.
-    """
-    gap = m.bound[CLEARANCE]
-    for at in range(m.layout[FACE_COUNT]):
-        if _touches_later(m, cells, at, gap):
-            return True
-    for v in range(m.layout[VERTEX_TOP]):
-        if m.vertices[v, OUT] < 0 or _is_graph(m, v):
-            continue
-        first = np.int64(m.vertices[v, OUT])
-        h = first
-        while True:
-            k = twin(m, preceding(h))
-            while k != first:
-                if faces_touch(m, h // 3, k // 3):
-                    return True
-                k = twin(m, preceding(k))
-            h = twin(m, preceding(h))
-            if h == first:
-                break
-    return False
-
-
-@kernel
-def count_contacts(m, cells, concerned):
-    """Return how many faces touch a face with a higher number: every pair is tested, no star is taken for sound.
-
-    Parameters
-    ----------
-    m, cells
-        Mesh and its faces sorted by cell.
-    concerned : (V,) bool
-        Receives true for the vertices of faces that touch others.
-    """
-    found = np.empty(m.links.shape[0], dtype=np.int32)
-    total = 0
-    for f in range(m.layout[FACE_TOP]):
-        if m.half_edges[3 * f, ORIGIN] < 0:
-            continue
-        c = (np.float64(m.facets[f, 0]), np.float64(m.facets[f, 1]), np.float64(m.facets[f, 2]))
-        reach = m.facets[f, RADIUS] + m.bound[CLEARANCE]
-        n = gather(m.layout, m.bound, cells, c, reach, 1.0, normal(m, f), ANY, found)
-        touches = False
-        for i in range(n):
-            g = np.int64(found[i])
-            if g > f and faces_touch(m, f, g):
-                touches = True
-                for k in range(3):
-                    concerned[origin(m, 3 * f + k)] = True
-                    concerned[origin(m, 3 * g + k)] = True
-        total += touches
-    return total
-
-
-@kernel
-def draw_together(m, chosen):
-    """Put vertices, one after the other, where the mean of their neighbours is, without any test.
-
-    Parameters
-    ----------
-    m : MeshArrays
-    chosen : (n,) int64
-        The vertices.
-    """
-    for i in range(chosen.shape[0]):
-        v = chosen[i]
-        for axis in range(3):
-            total = 0.0
-            degree = 0
-            first = np.int64(m.vertices[v, OUT])
-            h = first
-            while True:
-                total += m.points[origin(m, following(h)), axis]
-                degree += 1
-                h = twin(m, preceding(h))
-                if h == first:
-                    break
-            m.points[v, axis] = np.float64(np.float32(total / degree))
-        first = np.int64(m.vertices[v, OUT])
-        h = first
-        while True:
-            measure_face(m, h // 3)
-            h = twin(m, preceding(h))
-            if h == first:
-                break

@@ -14,6 +14,7 @@ from shapery_segmentation.mesh import _grid_kernels as grid
 from shapery_segmentation.mesh import _motion_kernels as motion
 from shapery_segmentation.mesh import _order_kernels as orders
 from shapery_segmentation.mesh import _remesh_kernels as passes
+from shapery_segmentation.mesh import _whole_kernels as whole
 from shapery_segmentation.mesh.arrays import (
     CARELESS,
     CLEARANCE,
@@ -265,12 +266,12 @@ class DynamicMesh:
     def touches_itself(self) -> bool:
         """Return whether any faces touch others than their neighbours, or neighbours more than they should."""
         self.sort_cells()
-        return bool(motion.has_contacts(self.arrays, self.cells))
+        return bool(whole.find_contacts(self.arrays, self.cells, np.zeros(0, dtype=np.bool_)))
 
     def contacts(self) -> int:
         """Return the number of faces that touch others with a higher number, by the plain test of every near pair."""
         self.sort_cells()
-        return int(motion.count_contacts(self.arrays, self.cells, np.zeros(self.vertex_slots, dtype=np.bool_)))
+        return int(whole.count_contacts(self.arrays, self.cells))
 
     def mend(self, rounds: int = MENDINGS) -> bool:
         """Draw the vertices of faces that touch others to the means of their neighbours, until nothing touches.
@@ -279,14 +280,20 @@ class DynamicMesh:
         -------
         Whether so many rounds were enough.
         """
+        self.sort_cells()
+        concerned = np.zeros(self.vertex_slots, dtype=np.bool_)
+        touching = whole.find_contacts(self.arrays, self.cells, concerned)
         for _ in range(rounds):
-            if not self.touches_itself():
-                return True
-            concerned = np.zeros(self.vertex_slots, dtype=np.bool_)
+            if not touching:
+                break
+            chosen = np.flatnonzero(concerned)
+            whole.draw_together(self.arrays, chosen)
             self.sort_cells()
-            motion.count_contacts(self.arrays, self.cells, concerned)
-            motion.draw_together(self.arrays, np.flatnonzero(concerned))
-        return not self.touches_itself()
+            concerned[:] = False
+            touching = whole.find_contacts_around(
+                self.arrays, self.cells, chosen, concerned, self.room_for_moves().found
+            )
+        return not touching
 
     def size_grid(self) -> None:
         """Choose the size of the grid's cells, and their number by the region that the surface fills now."""
