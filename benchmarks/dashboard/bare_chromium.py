@@ -27,6 +27,15 @@ class Page:
         """Call a method of the protocol, and return what it returns."""
         return self._browser.send(method, self._session, **params)
 
+    def heap_snapshot(self) -> dict[str, Any]:
+        """Return what is in the heap of the page's scripts, once garbage is collected, in DevTools' format."""
+        self.send("HeapProfiler.takeHeapSnapshot", reportProgress=False)
+        told = [
+            event["params"] for event in self._browser.meanwhile if event["method"].endswith("addHeapSnapshotChunk")
+        ]
+        found: dict[str, Any] = json.loads("".join(part["chunk"] for part in told))
+        return found
+
     def evaluate(self, script: str, *given: Any) -> Any:
         """Call a function written in JavaScript, wait for what it promises, and return that.
 
@@ -48,17 +57,22 @@ class BareChromium:
         self._answers = answers
         self._last = 0
         self._rest = b""
+        self.meanwhile: list[dict[str, Any]] = []
+        """Events that came while the last method ran."""
 
     def send(self, method: str, session: str | None = None, **params: Any) -> dict[str, Any]:
-        """Call a method of the protocol, of the browser or of a session; events that come meanwhile are passed over.
+        """Call a method of the protocol, of the browser or of a session.
 
         Raises ``RuntimeError`` with the browser's own words where it refuses, ``ConnectionError`` where it has ended.
         """
         self._last += 1
+        self.meanwhile.clear()
         message = {"id": self._last, "method": method, "params": params, **({"sessionId": session} if session else {})}
         os.write(self._commands, json.dumps(message).encode() + b"\0")
         while True:
             answer = json.loads(self._read())
+            if "method" in answer:
+                self.meanwhile.append(answer)
             if answer.get("id") != self._last:
                 continue
             if "error" in answer:

@@ -59,14 +59,29 @@ def processes(kind: str, above: psutil.Process | None = None) -> Iterator[psutil
 
 
 def held(above: psutil.Process) -> dict[str, float]:
-    """Tell what is held by the browser's processes below one, and by them alone, in MB."""
-    return {
-        name: sum(process.memory_full_info().uss for process in processes(kind, above)) / 1e6
-        for kind, name in PROCESSES.items()
-    }
+    """Tell what the process of the page, and the one that draws, hold for themselves, in MB; browser below `above`.
+
+    The page's is the one that has worked most of those that run pages: the browser's own window is such a page, too.
+    """
+    return {name: private(max(processes(kind, above), key=worked)) / 1e6 for kind, name in PROCESSES.items()}
+
+
+def worked(process: psutil.Process) -> float:
+    """Return the seconds of processor time that a process has taken."""
+    times = process.cpu_times()
+    return float(times.user + times.system)
+
+
+def private(process: psutil.Process) -> int:
+    """Return a process's own memory in bytes, as Chromium tells its "private footprint".
+
+    It is what stands for no file and is not shared, also where it is swapped. What is read from files counts for
+    nothing: it is a process's own only as long as no other browser runs.
+    """
+    memory = process.memory_full_info()
+    return int(memory.rss - memory.shared + memory.swap)
 
 
 def processor_seconds() -> float:
     """Return the processor time that the processes that run and draw pages have taken."""
-    times = [process.cpu_times() for kind in PROCESSES for process in processes(kind)]
-    return sum(one.user + one.system for one in times)
+    return sum(worked(process) for kind in PROCESSES for process in processes(kind))

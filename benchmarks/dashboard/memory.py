@@ -33,31 +33,52 @@ async (path) => {
 """
 
 
+KINDS = {"code": "machine code and bytecode", "native": "the browser's own"}
+"""Nodes of a heap snapshot that no script has made; the rest are objects of scripts."""
+
+
 def memory(url: str, paths: Sequence[str], views: int) -> dict[str, Any]:
     """Go to and fro between pages with viewers and the list of jobs, all within one page; memory after each view.
 
-    Of processes it is what is theirs alone: shared libraries and files that are mapped count for nothing.
+    Of processes it is what they hold for themselves. What the heap holds is told at half of the views and at their end:
+    as long as scripts run, the engine compiles what runs often, and keeps the code.
     """
+    half = views // 2
     with bare_chromium(executable(), BROWSER) as browser:
         page = browser.open(f"{url}/jobs", SIZE["width"], SIZE["height"])
         time.sleep(2)
-        heaps, nodes = [], []
+        heaps, nodes, kinds = [], [], []
         process = psutil.Process(browser.process.pid)
         taken: dict[str, list[float]] = {name: [] for name in PROCESSES.values()}
-        for view in range(views):
+        for view in range(1, views + 1):
             page.evaluate(VIEW, paths[view % len(paths)])
             page.send("HeapProfiler.collectGarbage")
             heaps.append(page.send("Runtime.getHeapUsage")["usedSize"] / 1e6)
             nodes.append(page.send("Memory.getDOMCounters")["nodes"])
             for name, megabytes in held(process).items():
                 taken[name].append(megabytes)
-    half = views // 2
+            if view in (half, views):
+                kinds.append(by_kind(page.heap_snapshot()))
     return {
         "views": views,
-        "nodes": [nodes[0], nodes[half], nodes[-1]],
+        "nodes": [nodes[0], nodes[half - 1], nodes[-1]],
         "heap_mb": growth(heaps, half),
+        "heap_kb_per_view": {
+            kind: round((after - kinds[0][kind]) / (views - half) / 1e3, 1) for kind, after in kinds[1].items()
+        },
         **{f"{name}_mb": growth(megabytes, half) for name, megabytes in taken.items()},
     }
+
+
+def by_kind(snapshot: dict[str, Any]) -> dict[str, int]:
+    """Tell the bytes of a heap by what they are for: code, the browser's own, and objects of scripts."""
+    meta = snapshot["snapshot"]["meta"]
+    fields = meta["node_fields"]
+    nodes = np.reshape(snapshot["nodes"], (-1, len(fields)))
+    sizes = nodes[:, fields.index("self_size")]
+    kinds = np.array(meta["node_types"][0])[nodes[:, fields.index("type")]]
+    found = {kind: int(sizes[kinds == kind].sum()) for kind in KINDS}
+    return {**found, "objects": int(sizes.sum()) - sum(found.values())}
 
 
 def growth(values: Sequence[float], settled: int) -> dict[str, Any]:

@@ -19,6 +19,7 @@ def report(found: dict[str, Any]) -> str:
     played, wall, jobs, held, large = (found[name]["found"] for name in ("playback", "wall", "jobs", "memory", "large"))
     loads = [(name, *one.values()) for name, one in found["loads"]["found"].items()]
     viewers = [(name, *one.values()) for name, one in found["viewers"]["found"].items()]
+    kinds = held["heap_kb_per_view"]
     memories = [
         (name, ", ".join(map(str, held[key]["every_tenth"])), held[key]["kb_per_view"])
         for name, key in (("heap", "heap_mb"), ("page process", "pages_mb"), ("drawing process", "drawing_mb"))
@@ -55,8 +56,11 @@ A volume of 512 × 512 × 512 voxels is seen after {large["seen_s"]} s, its down
 
 Memory over {held["views"]} views of a segmentation, a motion and a shape in turn, garbage collected after each, in a
 browser that nobody watches (to whoever listens to the network of a page, Chromium keeps what the page has loaded: 3 MB
-a view of the segmentation); of processes what is theirs alone. MB after every tenth view, and kB a view by a line
-through the second half. Nodes of documents went from {held["nodes"][1]} at half to {held["nodes"][2]}.
+a view of the segmentation); of processes what they hold for themselves, without what is read from files. MB after every
+tenth view, and kB a view by a line through the second half. Nodes of documents went from {held["nodes"][1]} at half to
+{held["nodes"][2]}. By snapshots of the heap at half and at the end, objects of scripts grew by {kinds["objects"]} kB a
+view, the browser's own by {kinds["native"]}; the engine, which goes on compiling what runs often, kept
+{kinds["code"]} kB of code a view.
 
 {table(("memory", "MB after every tenth view", "kB a view"), memories)}
 """

@@ -39,8 +39,42 @@ describe("meshes", () => {
     expect([positions.length, [...faces]]).toEqual([12, [0, 1, 2, 0, 2, 3]]);
   });
 
+  it("are read from OBJ as programs write it: names, colors, textures, quads, numbers backwards, lines that go on", () => {
+    const content =
+      "# made by hand\r\nmtllib a.mtl\nv 0 0 0 1 0 0\r\nv 1e0 -0.0 +.0\nv\t1.00000000000000000001 1. 0\n" +
+      "v 0 1 -1.5E-3 # a corner\nvt 0.5 0.5\nvn 0 0 1\no it\nusemtl a\ns off\nf 1/1/1 2//1 \\\n3/1 4\nl 1 2\nf -4 -3 -2";
+    const { positions, faces } = readMesh(text(content), "obj");
+    expect([...positions]).toEqual([...new Float32Array([0, 0, 0, 1, -0, 0, 1, 1, 0, 0, 1, -1.5e-3])]);
+    expect([...faces]).toEqual([0, 1, 2, 0, 2, 3, 0, 1, 2]);
+  });
+
+  it("have the numbers of a text as near as single precision comes", () => {
+    const values = Float32Array.from({ length: 300 }, (_, k) => Math.sin(k) * 10 ** ((k % 60) - 30));
+    const lines = Array.from({ length: 100 }, (_, v) => `v ${[...values.subarray(3 * v, 3 * v + 3)].join(" ")}\n`);
+    expect(readMesh(text(`${lines.join("")}f 1 2 3\n`), "obj").positions).toEqual(values);
+  });
+
+  it("are read from OFF with comments, empty lines and colors", () => {
+    const content = "COFF\n\n# counts\n3 1 0\n0 0 0 1 1 1 1\n\n1 0 0 1 1 1 1 # b\n0 1 0 1 1 1 1\n3 0 2 1 0.5 0.5 0.5\n";
+    const { positions, faces } = readMesh(text(content), "off");
+    expect([[...positions], [...faces]]).toEqual([
+      [0, 0, 0, 1, 0, 0, 0, 1, 0],
+      [0, 2, 1],
+    ]);
+  });
+
+  it("are read from STL as text", () => {
+    const facet = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
+    const { positions, faces } = readMesh(text(`solid it\n${facet}endsolid it\n`), "stl");
+    expect([[...positions], [...faces]]).toEqual([
+      [0, 0, 0, 1, 0, 0, 0, 1, 0],
+      [0, 1, 2],
+    ]);
+  });
+
   it("say what is wrong with them", () => {
     expect(() => readMesh(text(""), "obj")).toThrow("no vertices");
+    expect(() => readMesh(text("4OFF\n3 1 0\n"), "off")).toThrow("cannot be drawn");
     expect(() => readMesh(text("OFF\n9 9 0\n0 0 0\n"), "off")).toThrow("cannot be drawn");
     expect(() => readMesh(text("glTF"), "glb")).toThrow("no binary glTF");
   });
@@ -102,7 +136,7 @@ describe("archives and sequences", () => {
     expect(await recognise(file, "x")).toEqual({ kind: "sequence", format: "mesh-zip" });
     const { frames, positions } = await openSequence(file);
     expect([frames, (await positions(0))[0], (await positions(1))[0]]).toEqual([3, 9, 10]);
-    await expect(positions(2)).rejects.toThrow("other vertices");
+    await expect(positions(2)).rejects.toThrow("other vertices or faces");
   });
 
   it("unpacks as far as it is asked to", async () => {

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from shapery_geometry.sequence import write_sequence_npz
 from tests.e2e.dashboard.conftest import OpenPage
+from tests.e2e.dashboard.left_behind import check_nothing_is_left
 from tests.e2e.dashboard.test_accessibility import AXE, check_open_to_everyone, overflow, serious
 from tests.support.browser import keep_picture, picture, until
 
@@ -76,6 +77,10 @@ def lit(pixels: NDArray[np.uint8]) -> NDArray[np.bool_]:
 
 def choose(page: Any, group: str, name: str) -> None:
     page.get_by_role("radiogroup", name=group).get_by_text(name, exact=True).click()
+
+
+def test_views_leave_nothing_behind(open_page: OpenPage, encoded: dict[str, Any]) -> None:
+    check_nothing_is_left(open_page, f"/jobs/{encoded['id']}")
 
 
 def test_frames_are_where_they_should_be(open_page: OpenPage, encoded: dict[str, Any]) -> None:

@@ -17,6 +17,7 @@ from shapery_geometry.volume import Volume
 from shapery_geometry.volume_io import read_volume
 from shapery_segmentation.evolution import read_evolution
 from tests.e2e.dashboard.conftest import OpenPage
+from tests.e2e.dashboard.left_behind import check_nothing_is_left
 from tests.e2e.dashboard.segmentation_pictures import (
     box,
     check_slice,
@@ -182,6 +183,10 @@ def test_the_surface_is_drawn_as_it_is(open_page: OpenPage, segmented: dict[str,
 def differing(canvas: Any, lit: NDArray[np.bool_]) -> int:
     """In how many pixels what is colored has changed."""
     return int((tumor_colored(picture(canvas)) != lit).sum())
+
+
+def test_views_leave_nothing_behind(open_page: OpenPage, segmented: dict[str, Any]) -> None:
+    check_nothing_is_left(open_page, f"/jobs/{segmented['id']}")
 
 
 def test_viewers_are_as_new_on_the_next_page(open_page: OpenPage, segmented: dict[str, Any]) -> None:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.mesh_io import write_mesh
 from tests.e2e.dashboard.conftest import OpenPage
+from tests.e2e.dashboard.left_behind import check_nothing_is_left
 from tests.e2e.dashboard.test_accessibility import AXE, overflow, serious
 from tests.support.browser import eventually, keep_picture, picture, until
 from tests.unit.retrieval.conftest import cylinder, egg, torus
@@ -94,6 +95,10 @@ def names(page: Any) -> list[str]:
 def hits(page: Any) -> list[str]:
     page.locator("[data-hit]").first.wait_for(timeout=WORK)
     return list(page.locator("[data-hit]").evaluate_all("items => items.map((item) => item.dataset.hit)"))
+
+
+def test_views_leave_nothing_behind(open_page: OpenPage, bank: dict[str, str]) -> None:
+    check_nothing_is_left(open_page, f"/shapes/{bank['egg']}")
 
 
 def test_shapes_are_added_named_moved_and_deleted(

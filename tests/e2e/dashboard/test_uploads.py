@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 import time
 import zipfile
 from collections.abc import Iterator
@@ -246,3 +247,27 @@ def test_files_are_seen_at_once(open_page: OpenPage, tmp_path: Path) -> None:
     viewer.get_by_role("slider", name="Frame").press("End")
     viewer.get_by_test_id("frame").get_by_text("4 / 4").wait_for()
     until(lambda: middle() > before + 100, "the sequence has moved")
+
+
+def test_a_mesh_of_many_faces_is_seen_coarser(open_page: OpenPage, tmp_path: Path) -> None:
+    """What is drawn of a ball of 327,680 faces, each with corners of its own, is still a ball, and is told."""
+    write_mesh(icosphere(subdivisions=7), tmp_path / "fine.stl")
+    page = open_page("/upload")
+    page.get_by_test_id("files").set_input_files(tmp_path / "fine.stl")
+    page.get_by_role("button", name="Look at fine.stl").click()
+    viewer = page.get_by_role("dialog").locator("section[data-status=ready]")
+    told = viewer.get_by_text("drawn coarser than it is").inner_text()
+    drawn, whole = (int(re.sub(r"\D", "", number)) for number in told.split(":")[1].split(" of "))
+    assert whole == 327_680
+    assert 50_000 < drawn <= 200_000
+
+    def disc() -> None:
+        lit = picture(viewer.get_by_test_id("mesh")).max(axis=2) > 40
+        lit[-60:] = False  # what is written at its foot
+        rows, columns = np.nonzero(lit)
+        height, width = np.ptp(rows), np.ptp(columns)
+        assert height > 100
+        assert abs(width / height - 1) < 0.03
+        assert abs(lit.sum() / (np.pi / 4 * height * width) - 1) < 0.03  # and nowhere is a hole
+
+    eventually(disc)

@@ -1,7 +1,7 @@
 import { Maximize } from "lucide-react";
 import { useRef, useState } from "react";
 import { createStore } from "@/app/store";
-import { ballOf, spread } from "@/features/motion/reach";
+import { integer } from "@/format/format";
 import { download } from "@/viewers/download";
 import { MotionCanvas } from "@/viewers/motion/MotionCanvas";
 import { StoredControls } from "@/viewers/play/PlayControls";
@@ -10,7 +10,8 @@ import { Tool } from "@/viewers/Tool";
 import { useDrawing } from "@/viewers/useDrawing";
 import { ViewerFrame } from "@/viewers/ViewerFrame";
 import frame from "@/viewers/viewers.module.css";
-import type { Sequence } from "./sequence";
+import { Frames } from "./frames";
+import classes from "./preview.module.css";
 
 interface FramesViewerProps {
   url: string;
@@ -20,10 +21,10 @@ interface FramesViewerProps {
 }
 
 const FPS = 25;
-/** Frames that tell where the mesh goes. */
-const SAMPLED = 8;
+/** Faces that are drawn at the most: so many move smoothly, and are there soon. */
+const MOST = 200_000;
 
-/** A mesh, or a sequence of meshes that plays, as it was uploaded. */
+/** A mesh, or a sequence of meshes that plays, as it was uploaded, but for faces that are too many to be drawn. */
 export default function FramesViewer({ url, size, kind, format }: FramesViewerProps) {
   const [playing, setPlaying] = useState(false);
   const [shown] = useState(() => createStore(0));
@@ -35,24 +36,24 @@ export default function FramesViewer({ url, size, kind, format }: FramesViewerPr
     what,
     async ({ element, signal, tell, fail, onLost, keep }) => {
       const content = await download(url, size, (fraction) => tell(what, fraction), signal);
-      const sequence = await open(content, kind, format);
-      const positions = await sequence.positions(0);
+      const file = keep(new Frames());
+      tell("Reading the mesh…", 1);
+      const { frames, faces, positions, whole, reach } = await file.open({ content, kind, format, most: MOST });
       signal.throwIfAborted();
-      const canvas = keep(new MotionCanvas(element, positions.length / 3, sequence.faces, onLost));
+      if (frames === 1) file.close(); // with all that it holds
+      const canvas = keep(new MotionCanvas(element, positions.length / 3, faces, onLost));
       canvas.stage.tell("The mesh in 3D.", "mesh");
-      const some = await Promise.all(spread(sequence.frames, SAMPLED).map((frame) => sequence.positions(frame)));
-      signal.throwIfAborted();
-      canvas.expect(some.map(ballOf));
+      canvas.expect(reach);
       canvas.show(positions, null);
-      return { canvas, sequence, signal, fail };
+      return { canvas, file, frames, drawn: faces.length / 3, whole, signal, fail };
     },
   );
 
   const show = (index: number) => {
     if (!drawing || busy.current) return false;
-    const { canvas, sequence, signal, fail } = drawing;
+    const { canvas, file, signal, fail } = drawing;
     busy.current = true;
-    sequence
+    file
       .positions(index)
       .then((positions) => {
         if (signal.aborted) return;
@@ -63,7 +64,7 @@ export default function FramesViewer({ url, size, kind, format }: FramesViewerPr
       .finally(() => (busy.current = false));
     return true;
   };
-  const count = drawing?.sequence.frames ?? 1;
+  const count = drawing?.frames ?? 1;
   usePlay({ playing: playing && drawing !== null, count, fps: FPS, shown: shown.get, loop: true, onFrame: show });
 
   return (
@@ -74,15 +75,14 @@ export default function FramesViewer({ url, size, kind, format }: FramesViewerPr
       tools={<Tool label="Look at all of it" icon={Maximize} onClick={() => drawing?.canvas.look()} />}
     >
       <div ref={parent} className={frame.stage} />
+      {drawing && drawing.drawn < drawing.whole && (
+        <div className={count > 1 ? `${frame.readout} ${classes.above}` : frame.readout}>
+          {`drawn coarser than it is: ${integer(drawing.drawn)} of ${integer(drawing.whole)} faces`}
+        </div>
+      )}
       {count > 1 && (
         <StoredControls count={count} frame={shown} playing={playing} onPlaying={setPlaying} onFrame={show} />
       )}
     </ViewerFrame>
   );
-}
-
-async function open(content: ArrayBuffer, kind: "mesh" | "sequence", format: string): Promise<Sequence> {
-  if (kind === "sequence") return (await import("./sequence")).openSequence(new Blob([content]));
-  const { faces, positions } = (await import("./mesh")).readMesh(content, format);
-  return { frames: 1, faces, positions: () => Promise.resolve(positions) };
 }

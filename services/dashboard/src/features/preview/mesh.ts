@@ -1,8 +1,7 @@
-import type { BufferGeometry } from "three";
-import { OBJLoader } from "three/examples/jsm/loaders/OBJLoader.js";
 import { STLLoader } from "three/examples/jsm/loaders/STLLoader.js";
 import { readSurface, type SurfaceMesh } from "@/viewers/surface/readSurface";
 import { readScene } from "./scene";
+import { readObj, readOff } from "./textMesh";
 
 /** Read a mesh; `format` is what it was found to be, or a name that ends so. Throws a sentence. */
 export function readMesh(content: ArrayBuffer, format: string): SurfaceMesh {
@@ -16,7 +15,7 @@ function reader(format: string): (content: ArrayBuffer) => SurfaceMesh {
     case "ply":
       return readSurface;
     case "stl":
-      return (content) => meshOf([new STLLoader().parse(content)]);
+      return readStl;
     case "obj":
       return readObj;
     case "off":
@@ -28,45 +27,26 @@ function reader(format: string): (content: ArrayBuffer) => SurfaceMesh {
   }
 }
 
-function readObj(content: ArrayBuffer): SurfaceMesh {
-  const parts: BufferGeometry[] = [];
-  new OBJLoader().parse(new TextDecoder().decode(content)).traverse((part) => {
-    if ("isMesh" in part && "geometry" in part) parts.push(part.geometry as BufferGeometry);
-  });
-  return meshOf(parts);
-}
-
-function meshOf(parts: readonly BufferGeometry[]): SurfaceMesh {
-  const arrays = parts.map((part) => part.getAttribute("position").array);
-  const positions = new Float32Array(arrays.reduce((sum, { length }) => sum + length, 0));
-  let at = 0;
-  for (const array of arrays) {
-    positions.set(array, at);
-    at += array.length;
-  }
-  for (const part of parts) part.dispose();
-  // These loaders give each face corners of its own.
+/** Read an STL file, of which each face has corners of its own. */
+function readStl(content: ArrayBuffer): SurfaceMesh {
+  const view = new DataView(content);
+  const count = content.byteLength >= 84 ? view.getUint32(80, true) : 0;
+  const positions = content.byteLength === 84 + 50 * count ? binaryStl(view, count) : textStl(content);
   return { positions, faces: Uint32Array.from({ length: positions.length / 3 }, (_, index) => index) };
 }
 
-/** Object File Format as text (Geomview): counts, vertices, and polygons, which become fans of triangles. */
-function readOff(content: ArrayBuffer): SurfaceMesh {
-  const text = new TextDecoder().decode(content).replace(/#.*/g, "");
-  const [, dimensions = ""] = /^\s*((?:ST|C|N|4|n)*)OFF\b/.exec(text) ?? [];
-  const lines = text
-    .replace(/^\s*\w*OFF\b/, "")
-    .split("\n")
-    .map((line) => line.trim())
-    .filter((line) => line !== "")
-    .map((line) => line.split(/\s+/).map(Number));
-  const [vertices = 0, polygons = 0] = lines[0] ?? [];
-  if (dimensions.includes("4") || dimensions.includes("n") || lines.length < 1 + vertices + polygons) {
-    throw new Error("This OFF file cannot be drawn here.");
+/** Of each face a normal, three corners and two bytes of nothing. */
+function binaryStl(view: DataView, count: number): Float32Array {
+  const positions = new Float32Array(9 * count);
+  for (let f = 0, to = 0; f < count; f += 1) {
+    for (let at = 84 + 50 * f + 12; to < 9 * (f + 1); at += 4, to += 1) positions[to] = view.getFloat32(at, true);
   }
-  const positions = new Float32Array(lines.slice(1, 1 + vertices).flatMap((line) => line.slice(0, 3)));
-  const faces: number[] = [];
-  for (const [count = 0, ...corners] of lines.slice(1 + vertices, 1 + vertices + polygons)) {
-    for (let k = 2; k < count; k += 1) faces.push(corners[0] ?? 0, corners[k - 1] ?? 0, corners[k] ?? 0);
-  }
-  return { positions, faces: Uint32Array.from(faces) };
+  return positions;
+}
+
+function textStl(content: ArrayBuffer): Float32Array {
+  const geometry = new STLLoader().parse(content);
+  const positions = new Float32Array(geometry.getAttribute("position").array);
+  geometry.dispose();
+  return positions;
 }

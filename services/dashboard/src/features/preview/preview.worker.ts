@@ -1,6 +1,7 @@
 import type { Seems } from "./recognise";
 import { recognise } from "./recognise";
 import { meshPicture, type Picture, sliceOf } from "./picture";
+import { reasonOf } from "./reason";
 
 /** A picture of a file, or, of a volume, the same as a file that the viewers read. */
 export type Ask = { draw: Blob; name: string; size: number } | { convert: Blob; format: string };
@@ -13,11 +14,6 @@ self.onmessage = ({ data }: MessageEvent<Ask>) => {
   const work = "draw" in data ? draw(data.draw, data.name, data.size) : convert(data.convert, data.format);
   void work.catch((error: unknown): Told => ({ problem: reasonOf(error) })).then((told) => self.postMessage(told));
 };
-
-function reasonOf(error: unknown): string {
-  if (error instanceof RangeError) return "This file needs more memory than the browser has.";
-  return error instanceof Error ? error.message : String(error);
-}
 
 async function draw(file: Blob, name: string, size: number): Promise<Told> {
   const seems = file.size <= MOST ? await recognise(file, name) : null;

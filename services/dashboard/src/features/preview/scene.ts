@@ -41,7 +41,7 @@ export function readScene(content: ArrayBuffer): SurfaceMesh {
   const length = view.getUint32(12, true);
   const document = JSON.parse(new TextDecoder().decode(new Uint8Array(content, 20, length))) as Document;
   const binary = 20 + length + 8;
-  const points: Vector3[] = [];
+  const positions: number[] = [];
   const faces: number[] = [];
 
   const place = (index: number | undefined) => {
@@ -57,10 +57,12 @@ export function readScene(content: ArrayBuffer): SurfaceMesh {
     for (const { attributes, indices, mode = TRIANGLES } of document.meshes?.[mesh]?.primitives ?? []) {
       if (mode !== TRIANGLES) continue;
       const { at, count, stride = 12 } = place(attributes.POSITION);
-      const first = points.length;
+      const first = positions.length / 3;
+      const point = new Vector3();
       for (let v = 0; v < count; v += 1) {
         const coordinate = (axis: number) => view.getFloat32(at + stride * v + 4 * axis, true);
-        points.push(new Vector3(coordinate(0), coordinate(1), coordinate(2)).applyMatrix4(matrix));
+        point.set(coordinate(0), coordinate(1), coordinate(2)).applyMatrix4(matrix);
+        positions.push(point.x, point.y, point.z);
       }
       if (indices === undefined) for (let v = 0; v < count; v += 1) faces.push(first + v);
       else {
@@ -87,5 +89,5 @@ export function readScene(content: ArrayBuffer): SurfaceMesh {
   const roots = document.scenes?.[document.scene ?? 0]?.nodes;
   if (roots) for (const root of roots) visit(root, new Matrix4(), 0);
   else document.meshes?.forEach((_, mesh) => add(mesh, new Matrix4()));
-  return { positions: new Float32Array(points.flatMap(({ x, y, z }) => [x, y, z])), faces: Uint32Array.from(faces) };
+  return { positions: Float32Array.from(positions), faces: Uint32Array.from(faces) };
 }

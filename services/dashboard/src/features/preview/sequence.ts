@@ -44,8 +44,10 @@ async function ofMeshes(entries: readonly ArchiveEntry[]): Promise<Sequence> {
   const read = async (index: number) => {
     const entry = frames[index];
     const mesh: SurfaceMesh = entry ? readMesh(await entry.read(), entry.name) : { positions, faces };
-    if (mesh.positions.length !== positions.length)
-      throw new Error(`${entry?.name} has other vertices than the first.`);
+    const same = mesh.positions.length === positions.length && mesh.faces.every((corner, at) => corner === faces[at]);
+    if (!same || mesh.faces.length !== faces.length) {
+      throw new Error(`${entry?.name} has other vertices or faces than the first.`);
+    }
     return mesh.positions;
   };
   return {

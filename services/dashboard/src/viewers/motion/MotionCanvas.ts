@@ -1,14 +1,23 @@
-import { BufferAttribute, BufferGeometry, Color, Mesh, MeshBasicMaterial, Sphere, Vector3 } from "three";
+import {
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  Mesh,
+  MeshBasicMaterial,
+  type ShaderMaterial,
+  Sphere,
+  Vector3,
+} from "three";
 import { type Ball, ballOf } from "@/features/motion/reach";
 import { Stage } from "../stage/Stage";
 import type { SurfaceMesh } from "../surface/readSurface";
 import { drawsBySoftware } from "../webgl";
 import { errorColor } from "./errorColors";
-import { FacetedMaterial } from "./faceted";
+import { faceted } from "./faceted";
 import { isSolid } from "./solid";
 
-const PLAIN = new Color("#8fc9c4");
-const ORIGINAL = new Color("#d8c7a6");
+const PLAIN = "#8fc9c4";
+const ORIGINAL = "#d8c7a6";
 
 export type Layout = "decoded" | "original" | "beside" | "overlaid";
 export type Coloring = "plain" | "clusters" | "error";
@@ -24,8 +33,8 @@ export interface Difference {
 /** A mesh whose vertices move, alone, beside or over its original. Draws only when something has changed. */
 export class MotionCanvas {
   readonly stage: Stage;
-  readonly #mesh: Mesh<BufferGeometry, FacetedMaterial>;
-  readonly #original: Mesh<BufferGeometry, FacetedMaterial>;
+  readonly #mesh: Mesh<BufferGeometry, ShaderMaterial>;
+  readonly #original: Mesh<BufferGeometry, ShaderMaterial>;
   readonly #wires: Mesh<BufferGeometry, MeshBasicMaterial>;
   readonly #positions: BufferAttribute;
   readonly #before: BufferAttribute;
@@ -34,7 +43,10 @@ export class MotionCanvas {
   #coloring: Coloring = "plain";
   /** Around the mesh in some frames: what one looks at. */
   readonly #spheres: Sphere[] = [];
+  readonly #faces: Uint32Array;
   #first = true;
+  /** Whether only front faces are ever seen. */
+  #solid = false;
   /** Whether somebody has moved the camera since one looked. */
   #moved = false;
 
@@ -42,6 +54,7 @@ export class MotionCanvas {
     this.stage = new Stage(parent, { onHome: () => this.look(), onLost });
     this.stage.render = () => this.#render();
     this.stage.controls.addEventListener("start", () => (this.#moved = true));
+    this.#faces = faces;
     const index = new BufferAttribute(faces, 1);
     const attribute = () => new BufferAttribute(new Float32Array(3 * vertices), 3);
     [this.#positions, this.#before, this.#colors] = [attribute(), attribute(), attribute()];
@@ -49,8 +62,8 @@ export class MotionCanvas {
     geometry.setAttribute("position", this.#positions).setAttribute("color", this.#colors);
     const before = new BufferGeometry().setIndex(index);
     before.setAttribute("position", this.#before);
-    this.#mesh = new Mesh(geometry, new FacetedMaterial(PLAIN));
-    this.#original = new Mesh(before, new FacetedMaterial(ORIGINAL));
+    this.#mesh = new Mesh(geometry, faceted({ paint: PLAIN, colored: false, solid: false }));
+    this.#original = new Mesh(before, faceted({ paint: ORIGINAL, colored: false, solid: false }));
     this.#wires = new Mesh(
       before,
       new MeshBasicMaterial({ color: "#ffb454", wireframe: true, transparent: true, opacity: 0.55 }),
@@ -64,8 +77,9 @@ export class MotionCanvas {
 
   /** Show a frame; `difference` is needed where the original or the error is shown. */
   show(positions: Float32Array, difference: Difference | null): void {
-    if (this.#first && drawsBySoftware() && isSolid(positions, this.mesh().faces)) {
-      for (const { material } of [this.#mesh, this.#original]) material.hideBacks();
+    if (this.#first && drawsBySoftware()) {
+      this.#solid = isSolid(positions, this.#faces);
+      this.#shade();
     }
     this.#first = false;
     this.#positions.array.set(positions);
@@ -93,8 +107,7 @@ export class MotionCanvas {
 
   /** The decoded mesh as it is shown. */
   mesh(): SurfaceMesh {
-    const faces = this.#mesh.geometry.getIndex()?.array ?? [];
-    return { positions: new Float32Array(this.#positions.array), faces: new Uint32Array(faces) };
+    return { positions: new Float32Array(this.#positions.array), faces: new Uint32Array(this.#faces) };
   }
 
   /** Choose what is drawn where, and by what the decoded mesh is colored. */
@@ -105,7 +118,7 @@ export class MotionCanvas {
       labels.forEach((label, v) => clusterColor(label).toArray(this.#colors.array, 3 * v));
       this.#colors.needsUpdate = true;
     }
-    this.#mesh.material.colored = coloring !== "plain";
+    this.#shade();
     this.stage.draw();
   }
 
@@ -139,11 +152,15 @@ export class MotionCanvas {
   }
 
   close(): void {
-    for (const mesh of [this.#mesh, this.#original, this.#wires]) {
-      mesh.geometry.dispose();
-      mesh.material.dispose();
-    }
+    for (const mesh of [this.#mesh, this.#original, this.#wires]) mesh.geometry.dispose();
+    this.#wires.material.dispose();
     this.stage.close();
+  }
+
+  #shade(): void {
+    const solid = this.#solid;
+    this.#mesh.material = faceted({ paint: PLAIN, colored: this.#coloring !== "plain", solid });
+    this.#original.material = faceted({ paint: ORIGINAL, colored: false, solid });
   }
 
   #render(): void {

@@ -34,23 +34,34 @@ void main() {
 #endif
 }`;
 
+/** How a mesh is shaded. */
+export interface Shading {
+  /** The color of what has no colors of its own. */
+  paint: string;
+  /** Whether vertices have colors of their own, in the attribute `color`. */
+  colored: boolean;
+  /** Whether faces that are turned away are left out: nobody sees them where a mesh is closed. */
+  solid: boolean;
+}
+
+const made = new Map<string, ShaderMaterial>();
+
 /**
  * Shades each face as one plane, from both sides alike, in as few instructions as can be: where the processor draws,
- * every one counts. Face normals come from the picture itself, so that nothing is computed anew for a frame.
+ * every one counts. Face normals come from the picture itself, so that nothing is computed anew for a frame. One
+ * material serves all that are shaded alike, and stays: with its last user its program would go.
  */
-export class FacetedMaterial extends ShaderMaterial {
-  constructor(paint: Color) {
-    super({ vertexShader: VERTEX, fragmentShader: FRAGMENT, side: DoubleSide, uniforms: { paint: { value: paint } } });
-  }
-
-  /** Leave out the faces that are turned away: nobody sees them where a mesh is closed. */
-  hideBacks(): void {
-    this.side = FrontSide;
-  }
-
-  /** Whether vertices have colors of their own, in the attribute `color`. */
-  set colored(colored: boolean) {
-    this.defines = colored ? { COLORED: "" } : {};
-    this.needsUpdate = true;
-  }
+export function faceted({ paint, colored, solid }: Shading): ShaderMaterial {
+  const key = `${paint} ${colored} ${solid}`;
+  const known = made.get(key);
+  if (known) return known;
+  const material = new ShaderMaterial({
+    vertexShader: VERTEX,
+    fragmentShader: FRAGMENT,
+    side: solid ? FrontSide : DoubleSide,
+    defines: colored ? { COLORED: "" } : {},
+    uniforms: { paint: { value: new Color(paint) } },
+  });
+  made.set(key, material);
+  return material;
 }

@@ -43,6 +43,14 @@ function colorByCorner(shader: { vertexShader: string; fragmentShader: string })
   );
 }
 
+/** Of the graph: to the level below, and to neighbours. They serve all canvases, and stay, as their program does. */
+const PARENTS = ink("#ffffff", 1.6, 0.75);
+const NEIGHBOURS = ink("#f4c56a", 2.2, 0.85);
+
+function ink(color: string, linewidth: number, opacity: number): LineMaterial {
+  return new LineMaterial({ color, linewidth, transparent: true, opacity, depthTest: false });
+}
+
 /** Called for each point of a face that the pointer paints. */
 export type OnPaint = (face: number, at: [number, number, number]) => void;
 
@@ -146,17 +154,16 @@ export class ShapeCanvas implements LinkedView {
     material.needsUpdate = true;
     if (graph) {
       const at = (i: number) => graph.nodes[i]?.at ?? [0, 0, 0];
-      const lines = (pairs: readonly [number, number][], color: string, width: number, opacity: number) => {
+      const lines = (pairs: readonly [number, number][], material: LineMaterial) => {
         if (pairs.length === 0) return;
         const geometry = new LineSegmentsGeometry();
         geometry.setPositions(pairs.flatMap(([one, other]) => [...at(one), ...at(other)]));
-        const ink = new LineMaterial({ color, linewidth: width, transparent: true, opacity, depthTest: false });
-        const segments = new LineSegments2(geometry, ink);
+        const segments = new LineSegments2(geometry, material);
         segments.renderOrder = 1;
         this.#graph.add(segments);
       };
-      lines(graph.parents, "#ffffff", 1.6, 0.75);
-      lines(graph.neighbours, "#f4c56a", 2.2, 0.85);
+      lines(graph.parents, PARENTS);
+      lines(graph.neighbours, NEIGHBOURS);
       const ball = new SphereGeometry(1, 20, 14);
       graph.nodes.forEach((node, order) => {
         const color = new Color().setRGB(...node.color, "srgb");
@@ -238,7 +245,7 @@ export class ShapeCanvas implements LinkedView {
       this.#graph.remove(child);
       if (!(child instanceof Mesh)) continue;
       (child.geometry as BufferGeometry).dispose();
-      (child.material as MeshBasicMaterial | LineMaterial).dispose();
+      if (child.material instanceof MeshBasicMaterial) child.material.dispose();
     }
   }
 

@@ -12,7 +12,7 @@ import {
   type WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import { borrowRenderer, giveBackRenderer } from "./renderers";
+import { borrowRenderer, giveBackRenderer, keepPrograms } from "./renderers";
 
 interface StageOptions {
   /** What is above in the picture; the y axis where nothing is said. */
@@ -141,6 +141,7 @@ export class Stage {
     this.#drawing = requestAnimationFrame(() => {
       this.#drawing = 0;
       this.render();
+      keepPrograms(this.renderer);
     });
   };
 

@@ -1,4 +1,4 @@
-import { WebGLRenderer } from "three";
+import { type WebGLProgram, WebGLRenderer } from "three";
 import { drawsBySoftware } from "../webgl";
 
 /** As many as a page shows at once: two shapes side by side. */
@@ -31,6 +31,21 @@ function opaque(): WebGLRenderer {
 /** Pixels of a canvas to one of the page. */
 export function sharpness(): number {
   return drawsBySoftware() ? 1 : Math.min(window.devicePixelRatio, 2);
+}
+
+const held = new WeakSet<WebGLProgram>();
+
+/**
+ * Keep the programs that a renderer has compiled. three deletes one with the last material that uses it, and would
+ * compile it anew for the next page, which takes time; and what a driver that draws by the processor has generated for
+ * a program stays in memory long after it.
+ */
+export function keepPrograms({ info }: WebGLRenderer): void {
+  for (const program of info.programs ?? []) {
+    if (held.has(program)) continue;
+    held.add(program);
+    program.usedTimes += 1;
+  }
 }
 
 /** Whoever has drawn with it has disposed of what was drawn. */
