@@ -1,16 +1,18 @@
 import { STLLoader } from "three/examples/jsm/loaders/STLLoader.js";
 import { describe, expect, it } from "vitest";
-import { niftiFile, readNifti } from "@/format/nifti";
+import { niftiHeader, readNifti } from "@/format/nifti";
 import { readArchive } from "@/features/preview/archive";
-import { readDicom } from "@/features/preview/dicom";
 import { readMesh } from "@/features/preview/mesh";
 import { meshPicture, sliceOf } from "@/features/preview/picture";
 import { recognise } from "@/features/preview/recognise";
 import { openSequence } from "@/features/preview/sequence";
-import { readVolume } from "@/features/preview/volume";
+import { asNifti, readCoarse } from "@/features/preview/volume";
 import { zip } from "@/features/uploads/zip";
 import { meshFile } from "@/format/meshFiles";
 
+/** The first volume of a file of any format. */
+const readVolume = async (file: Blob, format: string) =>
+  readNifti(await (await asNifti(file, format)).arrayBuffer(), true);
 const text = (content: string) => new TextEncoder().encode(content).buffer;
 const TETRAHEDRON = {
   positions: new Float32Array([0, 0, 0, 1.5, 0, 0, 0, 2.25, 0, 0, 0, 1e-7]),
@@ -160,7 +162,8 @@ describe("volumes", () => {
   /** Voxels that count up, so that each tells where it lies. */
   const values = Int16Array.from({ length: 60 }, (_, index) => index * 3 - 40);
   const affine = [-0.5, 0, 0, 10, 0, 0.75, 0.1, -20, 0, 0, 2, 30];
-  const nifti = () => niftiFile({ shape: [3, 4, 5], affine, values, slope: 2, inter: 1 });
+  const facts = { shape: [3, 4, 5] as [number, number, number], affine, slope: 2, inter: 1, array: Int16Array };
+  const nifti = () => new Blob([niftiHeader({ ...facts, little: true }), values]);
 
   it("come back from the NIfTI file that was made of them", async () => {
     const found = readNifti(await nifti().arrayBuffer());
@@ -180,7 +183,7 @@ describe("volumes", () => {
     const packed = new Response(new Blob([big]).stream().pipeThrough(new CompressionStream("gzip")));
     const found = await readVolume(new Blob([head, await packed.arrayBuffer()]), "nrrd");
     expect([...(found.values as Int16Array)]).toEqual([...values]);
-    found.affine.forEach((value, index) => expect(value).toBeCloseTo(affine[index] ?? 0, 9));
+    found.affine.forEach((value, index) => expect(value).toBeCloseTo(affine[index] ?? 0, 6));
   });
 
   it("are read from MetaImage", async () => {
@@ -189,9 +192,26 @@ describe("volumes", () => {
       "Offset = -10 20 30\nElementSpacing = 0.5 0.75 2\nDimSize = 3 4 5\nElementType = MET_SHORT\nElementDataFile = LOCAL\n";
     const found = await readVolume(new Blob([head, values]), "metaimage");
     expect([...(found.values as Int16Array)]).toEqual([...values]);
-    expect(found.affine).toEqual([-0.5, -0, -0, 10, -0, 0.75, -0, -20, 0, 0, 2, 30]);
+    expect(found.affine.map((value) => value + 0)).toEqual([-0.5, 0, 0, 10, 0, 0.75, 0, -20, 0, 0, 2, 30]);
     const short = new Blob([head, values.subarray(1)]);
     await expect(readVolume(short, "metaimage")).rejects.toThrow("ends before");
+  });
+
+  it("are read coarser, piece by piece", async () => {
+    const shape: [number, number, number] = [256, 4, 3];
+    const fine = Int16Array.from({ length: 256 * 12 }, (_, index) => index % 256);
+    const file = new Blob([niftiHeader({ ...facts, shape, little: true }), fine]);
+    const packed = await new Response(file.stream().pipeThrough(new CompressionStream("gzip"))).blob();
+    for (const one of [file, packed]) {
+      const found = await readCoarse(one, 2_000);
+      expect(found.shape).toEqual([128, 4, 3]);
+      expect([...(found.values as Int16Array).subarray(0, 3)]).toEqual([1, 3, 5]); // means, rounded
+      // Twice as wide, and their middles half a voxel on.
+      const expected = [-1, 0, 0, 9.75, 0, 0.75, 0.1, -20, 0, 0, 2, 30];
+      found.affine.forEach((value, index) => expect(value).toBeCloseTo(expected[index] ?? 0, 5));
+    }
+    expect((await readCoarse(nifti(), 2_000)).shape).toEqual([3, 4, 5]);
+    await expect(readCoarse(file.slice(0, -2), 2_000)).rejects.toThrow("ends before");
   });
 
   it("are seen with the face above and the left on the right, however they are stored", () => {
@@ -227,7 +247,7 @@ describe("volumes", () => {
 
 describe("DICOM", () => {
   /** A slice as a scanner writes it: explicit types, little endian, 12 bits of 16. */
-  function slice(z: number, { bits = 12, syntax = "1.2.840.10008.1.2.1", colors = 1 } = {}): Blob {
+  function slice(z: number, { bits = 12, syntax = "1.2.840.10008.1.2.1", colors = 1, slope = 2 } = {}): Blob {
     const parts: BlobPart[] = [new Uint8Array(128), "DICM"];
     const element = (group: number, number: number, type: string, value: Uint8Array<ArrayBuffer> | string) => {
       const odd = value.length % 2 === 1;
@@ -254,7 +274,7 @@ describe("DICOM", () => {
     element(0x28, 0x101, "US", short(bits));
     element(0x28, 0x103, "US", short(1));
     element(0x28, 0x1052, "DS", "-1024");
-    element(0x28, 0x1053, "DS", "2");
+    element(0x28, 0x1053, "DS", `${slope}`);
     // What lies above the 12 bits is no part of the value, whose highest bit is its sign.
     element(
       0x7fe0,
@@ -269,7 +289,7 @@ describe("DICOM", () => {
     const entries = [5, 1, 3, 3].map((z, index) => ({ path: `${index}`, content: slice(z) }));
     const file = await zip([...entries, { path: "DICOMDIR", content: new Blob(["no slice"]) }]);
     expect(await recognise(file, "x")).toEqual({ kind: "volume", format: "dicom-zip" });
-    const found = await readDicom(file, "dicom-zip");
+    const found = await readVolume(file, "dicom-zip");
     expect([found.shape, found.slope, found.inter]).toEqual([[3, 2, 3], 2, -1024]);
     expect([...(found.values as Int16Array)]).toEqual([
       11, 12, 13, 14, 15, -1, 31, 32, 33, 34, 35, -1, 51, 52, 53, 54, 55, -1,
@@ -277,11 +297,23 @@ describe("DICOM", () => {
     expect(found.affine.map((value) => value + 0)).toEqual([-0.5, 0, 0, 10, 0, -0.75, 0, -20, 0, 0, 2, 1]);
   });
 
+  it("becomes a volume of the values that its slices mean, where each is scaled in its own way", async () => {
+    const entries = [slice(1), slice(2, { slope: 3 })].map((content, index) => ({ path: `${index}`, content }));
+    const found = await readVolume(await zip(entries), "dicom-zip");
+    expect([found.slope, found.inter]).toEqual([1, 0]);
+    const own = [11, 12, 13, 14, 15, -1];
+    const second = [21, 22, 23, 24, 25, -1];
+    expect([...(found.values as Float32Array)]).toEqual([
+      ...own.map((value) => 2 * value - 1024),
+      ...second.map((value) => 3 * value - 1024),
+    ]);
+  });
+
   it("says what cannot be read", async () => {
     const jpeg = slice(1, { syntax: "1.2.840.10008.1.2.4.70" });
-    await expect(readDicom(jpeg, "dicom")).rejects.toThrow("compressed");
-    await expect(readDicom(slice(1, { colors: 3 }), "dicom")).rejects.toThrow("in color");
-    await expect(readDicom(slice(1).slice(0, -4), "dicom")).rejects.toThrow("cut off");
-    await expect(readDicom(new Blob(["nothing"]), "dicom")).rejects.toThrow("no picture");
+    await expect(readVolume(jpeg, "dicom")).rejects.toThrow("compressed");
+    await expect(readVolume(slice(1, { colors: 3 }), "dicom")).rejects.toThrow("in color");
+    await expect(readVolume(slice(1).slice(0, -4), "dicom")).rejects.toThrow("cut off");
+    await expect(readVolume(new Blob(["nothing"]), "dicom")).rejects.toThrow("no picture");
   });
 });

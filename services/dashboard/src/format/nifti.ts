@@ -106,18 +106,23 @@ export function readNifti(content: ArrayBuffer, several = false): LabelVolume {
   return { shape: extent, affine, values: new array(data), slope, inter };
 }
 
-/** A volume as a NIfTI-1 file: what every viewer reads. */
-export function niftiFile({ shape, affine, values, slope, inter }: LabelVolume): Blob {
-  const known = Object.entries(TYPES).find(([, type]) => values instanceof type);
-  const data = known ? (values as Samples & ArrayBufferView<ArrayBuffer>) : Float32Array.from(values);
+/** What tells where the voxels of a NIfTI-1 file lie, and what they are. */
+export interface NiftiFacts extends Pick<LabelVolume, "shape" | "affine" | "slope" | "inter"> {
+  array: SamplesOf;
+  little: boolean;
+}
+
+/** The header of a NIfTI-1 file, which the voxels follow. */
+export function niftiHeader({ shape, affine, slope, inter, array, little }: NiftiFacts): Uint8Array<ArrayBuffer> {
+  const [code] = Object.entries(TYPES).find(([, type]) => type === array) ?? [];
   const view = new DataView(new ArrayBuffer(WHOLE_HEADER));
-  const short = (at: number, value: number) => view.setInt16(at, value, true);
-  const float = (at: number, value: number) => view.setFloat32(at, value, true);
-  view.setInt32(0, LENGTH, true);
+  const short = (at: number, value: number) => view.setInt16(at, value, little);
+  const float = (at: number, value: number) => view.setFloat32(at, value, little);
+  view.setInt32(0, LENGTH, little);
   short(40, 3);
   for (let axis = 1; axis <= 7; axis += 1) short(40 + 2 * axis, shape[axis - 1] ?? 1);
-  short(70, Number(known?.[0] ?? 16));
-  short(72, 8 * data.BYTES_PER_ELEMENT);
+  short(70, Number(code));
+  short(72, 8 * new array(1).BYTES_PER_ELEMENT);
   float(76, 1);
   for (let axis = 0; axis < 3; axis += 1) {
     float(80 + 4 * axis, Math.hypot(...[0, 1, 2].map((row) => affine[4 * row + axis] ?? 0)));
@@ -128,8 +133,9 @@ export function niftiFile({ shape, affine, values, slope, inter }: LabelVolume):
   view.setUint8(123, 2); // millimetres
   short(254, 1); // the affine below is that of the scanner
   affine.forEach((value, index) => float(280 + 4 * index, value));
-  new Uint8Array(view.buffer).set(new TextEncoder().encode("n+1"), 344);
-  return new Blob([view, data], { type: "application/octet-stream" });
+  const bytes = new Uint8Array(view.buffer);
+  bytes.set(new TextEncoder().encode("n+1"), 344);
+  return bytes;
 }
 
 function affineOf(float: (at: number) => number, short: (at: number) => number): number[] {

@@ -1,4 +1,4 @@
-import type { LabelVolume } from "@/format/nifti";
+import { niftiHeader, type Samples, type SamplesOf } from "@/format/nifti";
 import { readArchive } from "./archive";
 import { type Dataset, type DicomFile, type Element, parseDicom, PIXELS, text } from "./dicomFile";
 
@@ -6,7 +6,6 @@ type Triple = [number, number, number];
 
 /** One picture of a series: a file, or a frame of one. */
 interface Slice {
-  file: DicomFile;
   series: string;
   rows: number;
   columns: number;
@@ -19,16 +18,17 @@ interface Slice {
   spacing: [number, number];
   slope: number;
   intercept: number;
-  bits: number;
-  stored: number;
-  signed: boolean;
-  pixels: number;
+  array: SamplesOf;
+  /** Its pixels, out of the way of this thread's memory; null where the file is cut off. */
+  pixels: Blob | null;
 }
 
 const MOST_VOXELS = 2 ** 28;
+/** Whether numbers lie in memory with their lowest byte first. */
+const LITTLE = new Uint8Array(Uint16Array.of(1).buffer)[0] === 1;
 
-/** Read a DICOM series, a zip of its files or one file with many frames, as a volume; throws a sentence. */
-export async function readDicom(file: Blob, format: string): Promise<LabelVolume> {
+/** A DICOM series, a zip of its files or one file with many frames, as a NIfTI file; throws a sentence. */
+export async function dicomAsNifti(file: Blob, format: string): Promise<Blob> {
   const slices: Slice[] = [];
   if (format === "dicom-zip") {
     for (const entry of await readArchive(file)) {
@@ -42,7 +42,7 @@ export async function readDicom(file: Blob, format: string): Promise<LabelVolume
  * The pictures of one series by where they lie along their normal (PS3.3 section C.7.6.2): what comes twice at one
  * place, as in a series over time, is shown once.
  */
-function stack(all: readonly Slice[]): LabelVolume {
+async function stack(all: readonly Slice[]): Promise<Blob> {
   const series = all[0]?.series;
   const [first, ...others] = all.filter((slice) => slice.series === series);
   if (!first) throw new Error("There is no picture in this DICOM series.");
@@ -55,22 +55,22 @@ function stack(all: readonly Slice[]): LabelVolume {
     .map((slice) => ({ slice, depth: dot(slice.position, normal) }))
     .sort((one, other) => one.depth - other.depth);
   const near = Math.min(...spacing) * 1e-3;
-  const slices = placed.filter(({ depth }, k) => k === 0 || depth - (placed[k - 1]?.depth ?? 0) > near);
+  const slices = placed
+    .filter(({ depth }, k) => k === 0 || depth - (placed[k - 1]?.depth ?? 0) > near)
+    .map(({ slice }) => slice);
   const count = slices.length;
-  const length = columns * rows;
-  if (length * count > MOST_VOXELS) throw new Error("The series is too large to be drawn in the browser.");
-  const even = slices.every(({ slice }) => slice.slope === first.slope && slice.intercept === first.intercept);
-  const values = even
-    ? new (first.bits > 8 ? (first.signed ? Int16Array : Uint16Array) : Uint8Array)(length * count)
-    : new Float32Array(length * count);
-  slices.forEach(({ slice }, k) => {
-    const own = pixelsOf(slice);
-    for (let i = 0; i < length; i += 1) {
-      const value = own(i);
-      values[length * k + i] = even ? value : slice.slope * value + slice.intercept;
-    }
-  });
-  const [low, high] = [slices[0]?.slice.position ?? [0, 0, 0], slices[count - 1]?.slice.position ?? [0, 0, 0]];
+  if (columns * rows * count > MOST_VOXELS) throw new Error("The series is too large to be drawn in the browser.");
+  const even = slices.every(
+    ({ slope, intercept, array }) => slope === first.slope && intercept === first.intercept && array === first.array,
+  );
+  const parts: Blob[] = [];
+  for (const { pixels, array, slope, intercept } of slices) {
+    if (!pixels) throw new Error("A slice of this series is cut off.");
+    const scaled = async () =>
+      Float32Array.from(new array(await pixels.arrayBuffer()), (own) => slope * own + intercept);
+    parts.push(even ? pixels : new Blob([await scaled()]));
+  }
+  const [low, high] = [slices[0]?.position ?? [0, 0, 0], slices[count - 1]?.position ?? [0, 0, 0]];
   const affine = ([-1, -1, 1] as const).flatMap((sign, axis) => [
     sign * (along[axis] ?? 0) * spacing[1],
     sign * (down[axis] ?? 0) * spacing[0],
@@ -78,7 +78,9 @@ function stack(all: readonly Slice[]): LabelVolume {
     sign * (low[axis] ?? 0),
   ]);
   const [slope, inter] = even ? [first.slope, first.intercept] : [1, 0];
-  return { shape: [columns, rows, count], affine, values, slope, inter };
+  const array = even ? first.array : Float32Array;
+  const header = niftiHeader({ shape: [columns, rows, count], affine, slope, inter, array, little: LITTLE });
+  return new Blob([header, ...parts]);
 }
 
 function slicesOf(file: DicomFile | null): Slice[] {
@@ -97,6 +99,9 @@ function slicesOf(file: DicomFile | null): Slice[] {
     return each?.get(tag)?.items?.[0] ?? file.elements.get(0x52009229)?.items?.[0]?.get(tag)?.items?.[0];
   };
   const size = (rows * columns * bits) / 8;
+  const stored = own(0x00280101) ?? bits;
+  const signed = own(0x00280103) === 1;
+  const array: SamplesOf = bits > 8 ? (signed ? Int16Array : Uint16Array) : signed ? Int8Array : Uint8Array;
   const frames = Math.max(1, Math.min(tell(file.elements, 0x00280008)[0] ?? 1, Math.floor(pixels.length / size)));
   return Array.from({ length: frames }, (_, frame): Slice => {
     const find = (within: number, tag: number) => {
@@ -108,7 +113,6 @@ function slicesOf(file: DicomFile | null): Slice[] {
     const [between = 1, across = 1] = find(0x00289110, 0x00280030);
     const uid = file.elements.get(0x0020000e);
     return {
-      file,
       series: uid ? text(file.view, uid.at, uid.length) : "",
       rows,
       columns,
@@ -118,22 +122,28 @@ function slicesOf(file: DicomFile | null): Slice[] {
       spacing: [between, across],
       slope: find(0x00289145, 0x00281053)[0] ?? 1,
       intercept: find(0x00289145, 0x00281052)[0] ?? 0,
-      bits,
-      stored: own(0x00280101) ?? bits,
-      signed: own(0x00280103) === 1,
-      pixels: pixels.at + frame * size,
+      array,
+      pixels: pixelsAt(file, pixels.at + frame * size, new array(rows * columns), stored, signed),
     };
   });
 }
 
-/** Tells a pixel by its place, without the bits above it that are none of its own. */
-function pixelsOf({ file, bits, stored, signed, pixels, rows, columns }: Slice): (index: number) => number {
-  const { view, little } = file;
-  if (pixels + (rows * columns * bits) / 8 > view.byteLength) throw new Error("A slice of this series is cut off.");
+/** The pixels that begin somewhere, each without the bits above it that are none of its own; null where they end early. */
+function pixelsAt(
+  { view, little }: DicomFile,
+  at: number,
+  into: Samples,
+  stored: number,
+  signed: boolean,
+): Blob | null {
+  if (at + into.byteLength > view.byteLength) return null;
   const shift = 32 - stored;
-  const own = (raw: number) => (signed ? (raw << shift) >> shift : (raw << shift) >>> shift);
-  if (bits === 8) return (index) => own(view.getUint8(pixels + index));
-  return (index) => own(view.getUint16(pixels + 2 * index, little));
+  const wide = into.BYTES_PER_ELEMENT === 2;
+  for (let k = 0; k < into.length; k += 1) {
+    const raw = (wide ? view.getUint16(at + 2 * k, little) : view.getUint8(at + k)) << shift;
+    into[k] = signed ? raw >> shift : raw >>> shift;
+  }
+  return new Blob([into as Samples & ArrayBufferView<ArrayBuffer>]);
 }
 
 /** Numbers that are written as text, with backslashes between. */

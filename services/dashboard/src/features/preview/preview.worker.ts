@@ -9,6 +9,8 @@ export type Told = { picture: Picture | null; seems: Seems | null } | { volume: 
 
 /** Larger files are not read whole for a small picture. */
 const MOST = 512 << 20;
+/** Of a volume, so many are enough for a small picture. */
+const VOXELS = 2 ** 21;
 
 self.onmessage = ({ data }: MessageEvent<Ask>) => {
   const work = "draw" in data ? draw(data.draw, data.name, data.size) : convert(data.convert, data.format);
@@ -23,7 +25,10 @@ async function draw(file: Blob, name: string, size: number): Promise<Told> {
 
 /** Readers are fetched when a file needs them. */
 async function pictureOf(file: Blob, { kind, format }: Seems, size: number): Promise<Picture | null> {
-  if (kind === "volume") return sliceOf(await (await import("./volume")).readVolume(file, format), size);
+  if (kind === "volume") {
+    const { asNifti, readCoarse } = await import("./volume");
+    return sliceOf(await readCoarse(await asNifti(file, format), VOXELS), size);
+  }
   if (kind === "mesh") return meshPicture((await import("./mesh")).readMesh(await file.arrayBuffer(), format), size);
   if (kind === "sequence") {
     const { faces, positions } = await (await import("./sequence")).openSequence(file);
@@ -36,6 +41,5 @@ async function pictureOf(file: Blob, { kind, format }: Seems, size: number): Pro
 }
 
 async function convert(file: Blob, format: string): Promise<Told> {
-  const [{ readVolume }, { niftiFile }] = await Promise.all([import("./volume"), import("@/format/nifti")]);
-  return { volume: niftiFile(await readVolume(file, format)) };
+  return { volume: await (await import("./volume")).asNifti(file, format) };
 }
