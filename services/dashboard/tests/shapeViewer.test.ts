@@ -5,14 +5,7 @@ import { cssColor, matchedColors, partColor, UNMATCHED } from "@/viewers/shape/c
 import { readGlb, type ShapeMesh } from "@/viewers/shape/glb";
 import { graphOf } from "@/viewers/shape/graph";
 import { modelOf } from "@/viewers/shape/model";
-import {
-  cornerNormals,
-  faceParts,
-  inPrincipalFrame,
-  partCenters,
-  principalAxes,
-  surfaceOf,
-} from "@/viewers/shape/surface";
+import { cornerNormals, faceParts, type Pose, partCenters, placed, surfaceOf, UPRIGHT } from "@/viewers/shape/surface";
 import { type Turn, ViewLink } from "@/viewers/shape/ViewLink";
 
 /** A box with its faces cut into triangles, turned and moved; one corner is pulled out, so that each axis has a heavier side. */
@@ -42,6 +35,12 @@ function box(size: readonly [number, number, number], turn = 0.7, move = 5): Sha
     faces: new Uint32Array(quads.flatMap(([a, b, c, d]) => [a, b, c, a, c, d])),
   };
 }
+
+const LYING: Pose["frame"] = [
+  [0, 1, 0],
+  [0, 0, 1],
+  [1, 0, 0],
+];
 
 /** A flat strip of squares along x, each of two faces. */
 function strip(length: number): ShapeMesh {
@@ -95,28 +94,16 @@ describe("glb", () => {
   });
 });
 
-describe("principal frame", () => {
-  it("finds the axes of a matrix, the longest first", () => {
-    const axes = principalAxes([2, 1, 0, 1, 2, 0, 0, 0, 9]);
-    const expected = [
-      [0, 0, 1],
-      [Math.SQRT1_2, Math.SQRT1_2, 0],
-      [Math.SQRT1_2, -Math.SQRT1_2, 0],
-    ];
-    axes.forEach((axis, k) => {
-      const along = axis.reduce((sum, value, i) => sum + value * (expected[k]?.[i] as number), 0);
-      expect(Math.abs(along)).toBeCloseTo(1, 12);
-    });
-  });
-
-  it("lays every pose of a shape alike, within a ball of radius 1", () => {
-    const one = inPrincipalFrame(box([3, 2, 1]));
-    const other = inPrincipalFrame(box([6, 4, 2], -2.1, -40));
-    one.positions.forEach((value, i) => expect(other.positions[i]).toBeCloseTo(value, 4));
-    const [x, y, z] = extent(one) as [number, number, number];
-    expect(x).toBeGreaterThan(y);
-    expect(y).toBeGreaterThan(z);
-    const radii = [...Array(8).keys()].map((v) => Math.hypot(...one.positions.slice(3 * v, 3 * v + 3)));
+describe("a shape as it stands", () => {
+  it("has the axes of its pose along x, y and z, and fits a ball of radius 1", () => {
+    const mesh = box([3, 2, 1], 0, 40);
+    const upright = placed(mesh, UPRIGHT.frame);
+    const lying = placed(mesh, LYING);
+    const [width, height, depth] = extent(upright) as [number, number, number];
+    expect(width).toBeGreaterThan(height);
+    expect(height).toBeGreaterThan(depth);
+    [height, depth, width].forEach((size, axis) => expect(extent(lying)[axis]).toBeCloseTo(size, 5));
+    const radii = [...Array(8).keys()].map((v) => Math.hypot(...lying.positions.slice(3 * v, 3 * v + 3)));
     expect(Math.max(...radii)).toBeCloseTo(1, 6);
   });
 
@@ -137,8 +124,8 @@ describe("principal frame", () => {
       }
       return Math.sign(sum);
     };
-    expect(volume(inPrincipalFrame(mesh))).toBe(volume(mesh));
-    expect(volume(inPrincipalFrame(mirrored))).toBe(volume(mirrored));
+    expect(volume(placed(mesh, LYING))).toBe(volume(mesh));
+    expect(volume(placed(mirrored, LYING))).toBe(volume(mirrored));
     expect(volume(mirrored)).toBe(-volume(mesh));
   });
 });
@@ -260,6 +247,16 @@ describe("model and graph", () => {
     });
     expect(colorLaid(modelOf(glb(other), components), [3, 0, -1], model, 1, UNMATCHED)).toBeNull();
     expect(colorLaid(found, [], model, 1, UNMATCHED)).toBeNull();
+  });
+
+  it("stands as it was told, and where nothing was told, with its y axis up", () => {
+    const content = glb(box([3, 2, 1], 0));
+    const told = modelOf(content, { vertices: 8, pose: { frame: LYING, towards: [0, 0.6, 0.8] }, levels: [] });
+    expect(told.towards).toEqual([0, 0.6, 0.8]);
+    const [height, , width] = extent(told.surface) as [number, number, number];
+    expect(width).toBeGreaterThan(height);
+    const [across, up] = extent(modelOf(content, { vertices: 8, levels: [] }).surface) as [number, number];
+    expect(across).toBeGreaterThan(up);
   });
 
   it("ties each part to its neighbours and to the one that holds it", () => {

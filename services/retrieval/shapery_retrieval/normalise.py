@@ -248,10 +248,17 @@ def component_links(mesh: TriangleMesh) -> Links:
 
 
 def web_mesh(mesh: TriangleMesh, faces: int = 20_000) -> TriangleMesh:
-    """Return the repaired mesh for viewers, in its own frame and unit, reduced where it is large."""
+    """Return the repaired mesh for viewers, in its own frame and unit, reduced where it is large.
+
+    Faces larger than those that are analysed are split, since each vertex has one part: a table's top, which a file
+    makes of a few faces, has a border where its parts meet.
+    """
     surface = drop_unreferenced_vertices(cleaned(mesh).mesh).mesh
     if len(surface.faces) > CLUSTERED_FACES:
         surface = _clustered(surface)
     if len(surface.faces) > faces:
         surface = repair(decimate(surface, faces, keep_topology=False)).mesh
+    longest = 2 * np.sqrt(surface.area / MIN_VERTICES)
+    while len(surface.faces) < 2 * faces and (long := surface.edge_lengths > longest).any():
+        surface = _halved(surface, long)
     return surface

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from shapery_geometry.mesh import TriangleMesh
 from shapery_retrieval import _view_kernels as kernels
-from shapery_retrieval.views import principal_frame
+from shapery_retrieval.pose import Pose, pose_of
 
 SAMPLES = 3
 """Pixels are averaged from so many rows and columns of finer ones."""
@@ -22,10 +22,10 @@ PALETTE = (
 """Colours of parts, one after another."""
 
 
-def preview(mesh: TriangleMesh, size: int = 256, labels: NDArray[np.integer] | None = None) -> NDArray[np.uint8]:
+def preview(
+    mesh: TriangleMesh, size: int = 256, labels: NDArray[np.integer] | None = None, pose: Pose | None = None
+) -> NDArray[np.uint8]:
     """Return a (size, size, 4) picture: red, green, blue and opacity.
-
-    The surface lies with its longest axis across the picture and is seen a little from above.
 
     Parameters
     ----------
@@ -35,19 +35,15 @@ def preview(mesh: TriangleMesh, size: int = 256, labels: NDArray[np.integer] | N
         Side in pixels.
     labels : (n,)
         Part of each vertex, to colour parts.
+    pose
+        How it stands; by default as `shapery_retrieval.pose.pose_of` finds.
     """
     fine = size * SAMPLES
-    frame = principal_frame(mesh)
-    points = (mesh.vertices - mesh.centroid) @ frame.T
-    # the heavier side of each axis shows the way, so that the same shape looks the same in any pose
-    signs = np.where((mesh.face_areas @ points[mesh.faces].mean(axis=1) ** 3) < 0, -1.0, 1.0)
-    if signs.prod() * np.linalg.det(frame) < 0:
-        signs[2] = -signs[2]
-    points = points * signs
-    tilt, turn = np.deg2rad(24), np.deg2rad(32)
-    around = np.array([[np.cos(turn), 0, np.sin(turn)], [0, 1, 0], [-np.sin(turn), 0, np.cos(turn)]])
-    above = np.array([[1, 0, 0], [0, np.cos(tilt), -np.sin(tilt)], [0, np.sin(tilt), np.cos(tilt)]])
-    seen = points @ (above @ around).T
+    pose = pose_of(mesh) if pose is None else pose
+    right = np.cross((0.0, 1.0, 0.0), pose.towards)
+    right /= np.linalg.norm(right)
+    camera = np.stack((right, np.cross(pose.towards, right), pose.towards))
+    seen = (mesh.vertices - mesh.centroid) @ (camera @ pose.frame).T
     low, high = seen[:, :2].min(axis=0), seen[:, :2].max(axis=0)
     scale = 0.9 * fine / max(float((high - low).max()), 1e-12)
     seen = (seen - np.append((low + high) / 2, 0)) * scale

@@ -13,6 +13,7 @@ from shapery_retrieval.arg import Arg
 from shapery_retrieval.coverage import coverage_of
 from shapery_retrieval.describe import Description
 from shapery_retrieval.normalise import cleaned, web_mesh
+from shapery_retrieval.pose import Pose, pose_of
 from shapery_retrieval.preview import png_bytes, preview
 from shapery_retrieval.vector import vector_of
 
@@ -52,8 +53,8 @@ def write_outputs(mesh: TriangleMesh, found: Description, folder: Path, preview_
     """
     data = found.arg.to_bytes()
     (folder / "shape.arg").write_bytes(data)
-    shown = write_views(mesh, found, folder)
-    (folder / "preview.png").write_bytes(png_bytes(preview(shown, preview_size)))
+    shown, pose = write_views(mesh, found, folder)
+    (folder / "preview.png").write_bytes(png_bytes(preview(shown, preview_size, pose=pose)))
     state = mesh_report(cleaned(mesh).mesh)
     result = ShapeIndexResult(
         index_version=found.arg.index_version,
@@ -77,22 +78,24 @@ def write_outputs(mesh: TriangleMesh, found: Description, folder: Path, preview_
     return result
 
 
-def write_views(mesh: TriangleMesh, found: Description, folder: Path) -> TriangleMesh:
-    """Write ``mesh.glb`` and ``components.json``; return what is shown.
+def write_views(mesh: TriangleMesh, found: Description, folder: Path) -> tuple[TriangleMesh, Pose]:
+    """Write ``mesh.glb`` and ``components.json``; return what is shown, and its pose.
 
     The latter holds for each vertex of the former its part on each level, and the cell that it lies in: that of the
-    nearest sample, of which parts consist.
+    nearest sample, of which parts consist. It also tells how the shape stands.
     """
     shown = web_mesh(mesh)
     write_scene_glb([("shape", shown, _COLOUR)], folder / "mesh.glb")
     cells = found.cells_on(shown)
+    pose = pose_of(shown)
     components = {
         "vertices": len(shown.vertices),
+        "pose": {"frame": pose.frame.round(9).tolist(), "towards": pose.towards.round(9).tolist()},
         "levels": [{"level": k, "labels": of[cells].tolist()} for k, of in enumerate(found.decomposition.levels)],
         "cells": cells.tolist(),
     }
     (folder / "components.json").write_text(json.dumps(components, separators=(",", ":")))
-    return shown
+    return shown, pose
 
 
 def write_report(result: ShapeIndexResult, folder: Path) -> None:

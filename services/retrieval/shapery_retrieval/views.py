@@ -36,15 +36,20 @@ DIRECTIONS = np.array([d for d in itertools.product((-1, 0, 1), repeat=3) if any
 DIRECTIONS /= np.linalg.norm(DIRECTIONS, axis=1, keepdims=True)
 
 
-def principal_frame(mesh: TriangleMesh) -> NDArray[np.float64]:
-    """(3, 3) rows: the axes of the surface's second moments, the longest first."""
+def second_moments(mesh: TriangleMesh) -> NDArray[np.float64]:
+    """(3, 3) second moments of the surface about its centroid, times 12."""
     corners = mesh.corners - mesh.centroid
     weights = mesh.face_areas / mesh.area
     middles = corners.mean(axis=1)
     # exact for linear functions squared over triangles: (9 m mᵀ + Σ c cᵀ) / 12
     moments = np.einsum("f,fi,fj->ij", 9 * weights, middles, middles)
     moments += np.einsum("f,fki,fkj->ij", weights, corners, corners)
-    _, axes = np.linalg.eigh(moments)
+    return np.asarray(moments)
+
+
+def principal_frame(mesh: TriangleMesh) -> NDArray[np.float64]:
+    """(3, 3) rows: the axes of the surface's second moments, the longest first."""
+    _, axes = np.linalg.eigh(second_moments(mesh))
     return np.asarray(axes.T[::-1])
 
 

@@ -2213,8 +2213,9 @@ export interface components {
          * @description What ``report.json`` holds and the API returns.
          *
          *     Artifacts: ``shape.arg`` (the attributed relational graph), ``mesh.glb`` (for viewers), ``components.json`` (for
-         *     each level the part of every vertex of ``mesh.glb``, and the cell of each, of which parts consist), ``preview.png``,
-         *     ``report.json``.
+         *     each level the part of every vertex of ``mesh.glb``, the cell of each, of which parts consist, and how the shape
+         *     stands: the axes to the right, up and to the front, and, along them, the direction to whoever looks),
+         *     ``preview.png``, ``report.json``.
          */
         ShapeIndexResult: {
             /** Area */

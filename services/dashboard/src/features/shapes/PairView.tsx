@@ -4,6 +4,7 @@ import { Brush as BrushIcon, ExternalLink } from "lucide-react";
 import { lazy, Suspense, useMemo, useState } from "react";
 import type { SearchHit } from "@/api/types";
 import { LinkButton } from "@/app/links";
+import { beside } from "@/viewers/shape/align";
 import { matchedColors, PAINT, type Rgb, UNMATCHED } from "@/viewers/shape/colors";
 import { modelQuery } from "@/viewers/shape/model";
 import { ViewLink } from "@/viewers/shape/ViewLink";
@@ -32,16 +33,23 @@ interface PairViewProps {
 
 const NO_FILES = { mesh: "", components: "", version: "" };
 
-/** The query and one of the found shapes side by side, turned together, what was matched in the same colors. */
+/** The query and one of the found shapes side by side, lying alike, turned together, what was matched in the same colors. */
 export function PairView({ name, files, hit, parts, address }: PairViewProps) {
   const [link] = useState(() => new ViewLink());
   const { mesh, components, version } = files ?? NO_FILES;
   const query = useQuery({ ...modelQuery(mesh, components, version), enabled: files !== null });
   const shape = hit?.shape;
-  const found = useQuery({
+  const other = useQuery({
     ...modelQuery(shape?.mesh_url ?? "", shape?.components_url ?? "", shape?.indexed_at),
     enabled: shape !== undefined,
   });
+  // How the found one lies depends on the query, and is waited for.
+  const waits = files !== null && query.isPending;
+  const lies = useMemo(
+    () => (other.data && query.data && hit ? beside(other.data, query.data, hit.level, hit.matches) : other.data),
+    [other.data, query.data, hit],
+  );
+  const found = { ...other, data: waits ? undefined : lies };
   const [paints, setPaints] = useState(false);
   const painting = usePainting(query.data, parts);
   const matched = useMemo(() => (hit ? matchedColors(hit.matches) : null), [hit]);

@@ -18,11 +18,10 @@ import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
 import { Stage } from "../stage/Stage";
 import type { Graph } from "./graph";
+import type { ShapeModel } from "./model";
 import { cornerNormals, type Surface } from "./surface";
 import type { LinkedView, Turn, ViewLink } from "./ViewLink";
 
-/** The side of a shape that its picture shows. */
-const FRONT = new Vector3(-0.484, 0.407, 0.775).normalize();
 const [MARGIN, NEAREST, FARTHEST] = [1.06, 1.2, 20];
 
 /**
@@ -54,7 +53,7 @@ function ink(color: string, linewidth: number, opacity: number): LineMaterial {
 /** Called for each point of a face that the pointer paints. */
 export type OnPaint = (face: number, at: [number, number, number]) => void;
 
-/** A shape in its principal frame, a color to each corner of its faces. Draws only when something has changed. */
+/** A shape as it stands, a color to each corner of its faces. Draws only when something has changed. */
 export class ShapeCanvas implements LinkedView {
   readonly stage: Stage;
   readonly #mesh: Mesh<BufferGeometry, MeshStandardMaterial>;
@@ -63,12 +62,20 @@ export class ShapeCanvas implements LinkedView {
   readonly #graph = new Group();
   readonly #link: ViewLink | null;
   readonly #surface: Surface;
+  readonly #front: Vector3;
   readonly #home = new Spherical();
   #following = false;
   #paint: OnPaint | null = null;
 
-  constructor(parent: HTMLElement, surface: Surface, link: ViewLink | null, onLost: () => void) {
+  /** Begins where the picture of the shape was taken from. */
+  constructor(
+    parent: HTMLElement,
+    { surface, towards }: Pick<ShapeModel, "surface" | "towards">,
+    link: ViewLink | null,
+    onLost: () => void,
+  ) {
     this.#surface = surface;
+    this.#front = new Vector3(...towards).normalize();
     this.stage = new Stage(parent, { light: [-0.5, 0.8, 1], onHome: () => this.look(), onLost });
     const { camera, controls, scene } = this.stage;
     [camera.near, camera.far] = [0.05, 50];
@@ -124,7 +131,7 @@ export class ShapeCanvas implements LinkedView {
 
   /** Begin where some faces show most; null: at the side that the picture shows. */
   begin(faces: Int32Array | null): void {
-    const towards = (faces && this.#towards(faces)) ?? FRONT;
+    const towards = (faces && this.#towards(faces)) ?? this.#front;
     this.#home.setFromVector3(towards.clone().multiplyScalar(this.#distance(towards)));
     this.#home.phi = Math.min(Math.max(this.#home.phi, 0.3), Math.PI - 0.3);
     this.look();

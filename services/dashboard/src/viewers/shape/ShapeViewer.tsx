@@ -12,7 +12,7 @@ import type { ViewLink } from "./ViewLink";
 
 interface ShapeViewerProps {
   label: string;
-  model: Pick<UseQueryResult<ShapeModel>, "data" | "error" | "refetch">;
+  model: Pick<UseQueryResult, "error" | "refetch"> & { data: ShapeModel | undefined };
   /** Red, green and blue of each corner of each face. */
   colors: Float32Array | null;
   graph?: Graph | null;
@@ -42,7 +42,7 @@ export function ShapeViewer({
   children,
   testId = "shape",
 }: ShapeViewerProps) {
-  const surface = model.data?.surface;
+  const shape = model.data ?? null;
   const paints = onPaint !== null;
 
   const {
@@ -50,8 +50,8 @@ export function ShapeViewer({
     status: drawn,
     drawing: canvas,
     retry,
-  } = useDrawing(surface ?? null, WAITING.what, ({ element, onLost, keep }) =>
-    surface ? keep(new ShapeCanvas(element, surface, link, onLost)) : null,
+  } = useDrawing(shape, WAITING.what, ({ element, onLost, keep }) =>
+    shape ? keep(new ShapeCanvas(element, shape, link, onLost)) : null,
   );
 
   useEffect(() => {

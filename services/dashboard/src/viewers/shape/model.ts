@@ -1,11 +1,13 @@
 import { queryOptions } from "@tanstack/react-query";
 import { apiFetch } from "@/api/client";
 import { readGlb } from "./glb";
-import { faceParts, inPrincipalFrame, partCenters, type Surface, surfaceOf, type Vector } from "./surface";
+import { faceParts, partCenters, type Pose, placed, type Surface, surfaceOf, UPRIGHT, type Vector } from "./surface";
 
-/** A shape's web mesh in its principal frame, with its parts on every level. */
+/** A shape's web mesh as it stands, with its parts on every level. */
 export interface ShapeModel {
   surface: Surface;
+  /** From where its picture was taken. */
+  towards: Vector;
   /** The numbers of the levels, coarsest first. */
   levels: readonly number[];
   /** The part of each face: that of most of its corners. */
@@ -20,6 +22,8 @@ export interface ShapeModel {
 
 interface Components {
   vertices: number;
+  /** Not told of shapes that were indexed before it was. */
+  pose?: Pose;
   levels: { level: number; labels: number[] }[];
   cells?: number[];
 }
@@ -27,10 +31,12 @@ interface Components {
 export function modelOf(content: ArrayBuffer, components: Components): ShapeModel {
   const mesh = readGlb(content);
   if (components.vertices !== mesh.positions.length / 3) throw new Error("The mesh and its parts do not fit together.");
-  const surface = surfaceOf(inPrincipalFrame(mesh));
+  const { frame, towards } = components.pose ?? UPRIGHT;
+  const surface = surfaceOf(placed(mesh, frame));
   const parts = new Map(components.levels.map(({ level, labels }) => [level, faceParts(mesh.faces, labels)]));
   return {
     surface,
+    towards,
     levels: components.levels.map(({ level }) => level),
     parts: (level) => parts.get(level) ?? null,
     labels: (level) => components.levels.find((one) => one.level === level)?.labels ?? null,

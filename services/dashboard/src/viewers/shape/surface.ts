@@ -30,12 +30,24 @@ export function surfaceOf({ positions, faces }: ShapeMesh): Surface {
   return { positions, faces, areas, middles, area };
 }
 
-/**
- * The mesh in its principal frame: centered, the axes of its second moments along x, y and z with the longest first,
- * the heavier side of each to the front, and as large as a ball of radius 1. So the picture of a shape and its view in
- * space show the same side, and two shapes of one kind lie alike.
- */
-export function inPrincipalFrame(mesh: ShapeMesh): ShapeMesh {
+/** How a shape stands: the axes to the right, up and to the front, and, along them, the direction to whoever looks. */
+export interface Pose {
+  frame: readonly [Vector, Vector, Vector];
+  towards: Vector;
+}
+
+/** As most files mean it: the y axis up, seen from the front, a little from the left and above. */
+export const UPRIGHT: Pose = {
+  frame: [
+    [1, 0, 0],
+    [0, 1, 0],
+    [0, 0, 1],
+  ],
+  towards: [-0.484, 0.407, 0.775],
+};
+
+/** The mesh as it stands: centered, the axes of a frame along x, y and z, and as large as a ball of radius 1. */
+export function placed(mesh: ShapeMesh, frame: Pose["frame"]): ShapeMesh {
   const { positions, faces, areas, middles, area } = surfaceOf(mesh);
   const center: [number, number, number] = [0, 0, 0];
   for (let f = 0; f < areas.length; f += 1) {
@@ -43,78 +55,15 @@ export function inPrincipalFrame(mesh: ShapeMesh): ShapeMesh {
       center[k] = (center[k] as number) + ((areas[f] as number) * (middles[3 * f + k] as number)) / (area || 1);
     }
   }
-  const moments = new Float64Array(9);
-  for (let f = 0; f < areas.length; f += 1) {
-    const weight = areas[f] as number;
-    const middle = minus(vertexOf(middles, f), center);
-    const points = corners(positions, faces, f).map((corner) => minus(corner, center));
-    for (let i = 0; i < 3; i += 1) {
-      for (let j = 0; j < 3; j += 1) {
-        // exact for linear functions squared over triangles: (9 m mᵀ + Σ c cᵀ) / 12
-        let value = 9 * (middle[i] as number) * (middle[j] as number);
-        for (const point of points) value += (point[i] as number) * (point[j] as number);
-        moments[3 * i + j] = (moments[3 * i + j] as number) + weight * value;
-      }
-    }
-  }
-  const axes = principalAxes(moments);
-  const skew = [0, 0, 0];
-  for (let f = 0; f < areas.length; f += 1) {
-    const middle = minus(vertexOf(middles, f), center);
-    for (let k = 0; k < 3; k += 1) {
-      skew[k] = (skew[k] as number) + (areas[f] as number) * dot(middle, axes[k] as Vector) ** 3;
-    }
-  }
-  const signs: number[] = skew.map((value) => (value < 0 ? -1 : 1));
-  const turn = dot(cross(axes[0], axes[1]), axes[2]);
-  if ((signs[0] as number) * (signs[1] as number) * (signs[2] as number) * turn < 0) signs[2] = -(signs[2] as number);
-  const placed = new Float32Array(positions.length);
+  const turned = new Float32Array(positions.length);
   let radius = 0;
   for (let v = 0; v < positions.length / 3; v += 1) {
     const point = minus(vertexOf(positions, v), center);
     radius = Math.max(radius, Math.hypot(...point));
-    for (let k = 0; k < 3; k += 1) placed[3 * v + k] = (signs[k] as number) * dot(point, axes[k] as Vector);
+    for (let k = 0; k < 3; k += 1) turned[3 * v + k] = dot(point, frame[k] as Vector);
   }
-  if (radius > 0) for (let i = 0; i < placed.length; i += 1) placed[i] = (placed[i] as number) / radius;
-  return { positions: placed, faces };
-}
-
-/** Eigenvectors of a symmetric 3 × 3 matrix, that of the largest eigenvalue first (Jacobi's rotations). */
-export function principalAxes(matrix: ArrayLike<number>): [Vector, Vector, Vector] {
-  const a = Float64Array.from(matrix);
-  const v = Float64Array.from([1, 0, 0, 0, 1, 0, 0, 0, 1]);
-  const at = (m: Float64Array, i: number, j: number) => m[3 * i + j] as number;
-  for (let sweep = 0; sweep < 50; sweep += 1) {
-    const rest = Math.abs(at(a, 0, 1)) + Math.abs(at(a, 0, 2)) + Math.abs(at(a, 1, 2));
-    if (rest <= 1e-14 * (Math.abs(at(a, 0, 0)) + Math.abs(at(a, 1, 1)) + Math.abs(at(a, 2, 2)))) break;
-    for (const [p, q] of [
-      [0, 1],
-      [0, 2],
-      [1, 2],
-    ] as const) {
-      if (at(a, p, q) === 0) continue;
-      const theta = (at(a, q, q) - at(a, p, p)) / (2 * at(a, p, q));
-      const t = (theta >= 0 ? 1 : -1) / (Math.abs(theta) + Math.sqrt(theta * theta + 1));
-      const c = 1 / Math.sqrt(t * t + 1);
-      const s = t * c;
-      for (let k = 0; k < 3; k += 1) {
-        const [kp, kq] = [at(a, k, p), at(a, k, q)];
-        a[3 * k + p] = c * kp - s * kq;
-        a[3 * k + q] = s * kp + c * kq;
-      }
-      for (let k = 0; k < 3; k += 1) {
-        const [pk, qk] = [at(a, p, k), at(a, q, k)];
-        a[3 * p + k] = c * pk - s * qk;
-        a[3 * q + k] = s * pk + c * qk;
-        const [vp, vq] = [at(v, k, p), at(v, k, q)];
-        v[3 * k + p] = c * vp - s * vq;
-        v[3 * k + q] = s * vp + c * vq;
-      }
-    }
-  }
-  const order = [0, 1, 2].sort((i, j) => at(a, j, j) - at(a, i, i));
-  const column = (k: number): Vector => [at(v, 0, k), at(v, 1, k), at(v, 2, k)];
-  return order.map(column) as unknown as [Vector, Vector, Vector];
+  if (radius > 0) for (let i = 0; i < turned.length; i += 1) turned[i] = (turned[i] as number) / radius;
+  return { positions: turned, faces };
 }
 
 /**
