@@ -87,11 +87,11 @@ def report(found: dict[str, Any]) -> str:
         lines += [
             "## Parts in banks that grow", "",
             "Halves of shapes as queries, in banks of shapes that are joined of halves of two real ones. Of the twenty",
-            "best of a search that looks at all shapes: how many are among the six hundred nearest by the vectors of",
+            "best of a search that looks at all shapes: how many are among the 1,200 nearest by the vectors of",
             "parts, how many are found there; what the twenty found score in the former search, over its own; how",
             "often the best is the same; the median rank by vector of the twenty; CPU milliseconds of a scan of",
             "vectors, and of comparing patches.", "",
-            "| shapes | among 600 | found | score | best | rank | scan | compare |", "|---" * 8 + "|",
+            "| shapes | among 1,200 | found | score | best | rank | scan | compare |", "|---" * 8 + "|",
         ]  # fmt: skip
         for row in found["parts_growth"]:
             kept = (
@@ -100,7 +100,7 @@ def report(found: dict[str, Any]) -> str:
             lines.append(f"| {row['size']:,} | {kept} | {1000 * row['scan']:.1f} | {1000 * row['compare']:.1f} |")
         largest = found["parts_growth"][-1]
         lines += ["", f"By the class of the half, among {largest['size']:,}:", ""]
-        lines += ["| half of a | among 600 | found | score | rank |", "|---" * 5 + "|"]
+        lines += ["| half of a | among 1,200 | found | score | rank |", "|---" * 5 + "|"]
         for name, row in largest["queries"].items():
             figures = f"{row['among']:.0%} | {row['kept']:.0%} | {row['score']:.3f} | {row['rank']:,.0f}"
             lines.append(f"| {name} | {figures} |")

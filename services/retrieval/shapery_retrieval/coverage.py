@@ -1,11 +1,11 @@
 """The vector by which a bank is scanned for shapes that a part may be of.
 
 Words are typical patches of surfaces (`shapery_retrieval.patches`). A shape covers each word as near as its nearest
-patch comes to it, and a part asks for the words that its own patches are nearest to, more than for the others: a shape
-that covers everything somewhat is not what it looks for. What it asks for, times how it is covered, is about what
-`shapery_retrieval.search` finds by looking at all patches of both. A last number fills the vector of a shape up to a
-length that all share; then the largest product is the least Euclidean distance. What is asked for has that length, too:
-beside it the rounding to 16 bits, in which pgvector keeps vectors, is small.
+patch comes to it, and a part asks for the words that its own patches are nearest to, and for shapes that cover others
+less: one that covers everything somewhat is not what it looks for. What it asks for, times how it is covered, is about
+what `shapery_retrieval.search` finds by looking at all patches of both. A last number fills the vector of a shape up to
+a length that all share; then the largest product is the least Euclidean distance. What is asked for has that length,
+too: beside it the rounding to 16 bits, in which pgvector keeps vectors, is small.
 
 References
 ----------
@@ -26,6 +26,8 @@ from shapery_retrieval.patches import Patches, nearest_patches, patches_of
 from shapery_retrieval.vocabulary import vocabulary
 
 WORDS = VECTOR_DIMENSION - 1
+ALL = 0.7
+"""Share of what is asked for in the mean that is taken off what is asked for of each word; .5 to .8 are as good."""
 REACH = 1.5
 """A word counts as covered within so many times the distance at which the twelfth nearest generated shape has it."""
 
@@ -47,9 +49,9 @@ def covered_by(shapes: list[Patches]) -> Array:
 
 
 def asked_of(hypotheses: Sequence[Patches]) -> Array:
-    """(256,) vector of a part: the shares of its patches that are nearest to each word, less their mean.
+    """(256,) vector of a part: the shares of its patches that are nearest to each word, less `ALL` of their mean.
 
-    Its length is √255. Of a part whose patches are spread evenly over all words it is zero: it asks for nothing.
+    Its length is √255.
 
     Parameters
     ----------
@@ -62,5 +64,5 @@ def asked_of(hypotheses: Sequence[Patches]) -> Array:
     for patches in hypotheses:
         nearest = np.argmin(lengths - 2 * patches.features @ words.T, axis=1)
         asked[:WORDS] += np.bincount(nearest, patches.masses, WORDS)
-    asked[:WORDS] -= asked[:WORDS].mean()
-    return np.asarray(asked * np.sqrt(WORDS / max(float(asked @ asked), 1e-12)))
+    asked[:WORDS] -= ALL * asked[:WORDS].mean()
+    return asked * np.sqrt(WORDS / (asked @ asked))

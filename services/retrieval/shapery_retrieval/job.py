@@ -38,8 +38,9 @@ WRITE = 0.85
 
 CANDIDATES = 600
 """So many shapes, nearest by their vectors, are compared by all cues: a `shapery_retrieval.ranking.NEIGHBOURHOOD`."""
-PARTIAL_CANDIDATES = 600
-"""So many shapes, nearest by the vectors of their parts, are compared with a part by all patches."""
+PARTIAL_CANDIDATES = 1200
+"""So many shapes, nearest by the vectors of their parts, are compared with a part by all patches; these vectors are
+coarser than those of wholes."""
 
 
 @dataclass(frozen=True, eq=False)

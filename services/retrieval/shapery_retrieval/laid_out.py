@@ -20,7 +20,8 @@ from shapery_retrieval.vector import vectors_of
 
 MOST_BANKS = 4
 MOST_GRAPHS = 8192
-"""About 55 kB each, with the bytes that they were read from; 90 where it was found, and its samples are kept."""
+"""About 55 kB each, with the bytes that they were read from; 90 where it was found, and its samples are kept; 45 where
+only its patches were asked for."""
 
 
 class GoneError(Exception):
@@ -33,10 +34,14 @@ class GoneError(Exception):
 
 @dataclass(eq=False)
 class LaidOut:
-    """A graph, laid out; the rest is when it is first asked for."""
+    """A graph; what it is compared by is laid out when it is first asked for."""
 
-    levels: tuple[PackedLevel, ...]
     arg: Arg
+
+    @cached_property
+    def levels(self) -> tuple[PackedLevel, ...]:
+        """Its levels below the root."""
+        return pack_levels([self.arg])
 
     @cached_property
     def patches(self) -> Patches:
@@ -80,7 +85,7 @@ class Searchers:
             self._scales.popitem(last=False)
 
         def lay(places: NDArray[np.int64]) -> tuple[PackedLevel, ...]:
-            return joined([laid.levels for laid in self._laid(bank, [ids[place] for place in places.tolist()])])
+            return joined(_levels(self._laid(bank, [ids[place] for place in places.tolist()])))
 
         def lay_patches(places: NDArray[np.int64]) -> list[Patches]:
             return [laid.patches for laid in self._laid(bank, [ids[place] for place in places.tolist()])]
@@ -98,10 +103,8 @@ class Searchers:
     def _laid(self, bank: ShapeBank, ids: Sequence[str]) -> list[LaidOut]:
         missing = [shape_id for shape_id in ids if shape_id not in self._graphs]
         read = bank.args(missing) if missing else {}
-        args = [Arg.from_bytes(data, trusted=True) for data in read.values()]
-        together = pack_levels(args) if args else ()
-        for place, (shape_id, arg) in enumerate(zip(read, args, strict=True)):
-            self._graphs[shape_id] = LaidOut(tuple(level.taken(np.array([place])) for level in together), arg)
+        for shape_id, data in read.items():
+            self._graphs[shape_id] = LaidOut(Arg.from_bytes(data, trusted=True))
         gone = frozenset(shape_id for shape_id in missing if shape_id not in self._graphs)
         if gone:
             raise GoneError(gone)
@@ -112,3 +115,13 @@ class Searchers:
         while len(self._graphs) > MOST_GRAPHS:
             self._graphs.popitem(last=False)
         return found
+
+
+def _levels(graphs: Sequence[LaidOut]) -> list[tuple[PackedLevel, ...]]:
+    """Return the levels of graphs; those that were not laid out are so together, which is faster than one by one."""
+    missing = [laid for laid in graphs if "levels" not in vars(laid)]
+    if missing:
+        together = pack_levels([laid.arg for laid in missing])
+        for place, laid in enumerate(missing):
+            laid.levels = tuple(level.taken(np.array([place])) for level in together)
+    return [laid.levels for laid in graphs]

@@ -46,6 +46,8 @@ LEAST = 0.05
 FEATURES = 14 + 5 * len(RADII)
 BLOCKS = ((1.0, (0, 7)), (1.5, (1, 2, 3, 8, 9, 10)), (1.5, (4, 5, 6, 11, 12, 13)), (1.5, tuple(range(14, FEATURES))))
 """Thickness, mean curvature, Gaussian curvature and the reach around: what each counts, and its columns."""
+AT_ONCE = 50
+"""Of so many shapes the distances between patches stay in the processor's cache."""
 
 Array = NDArray[np.float64]
 
@@ -212,11 +214,13 @@ def closed_by_caps(mesh: TriangleMesh) -> TriangleMesh:
 def nearest_patches(query: Patches, others: list[Patches]) -> Array:
     """(p, n) distance of each patch of a query from the nearest one of each of n shapes."""
     own = (query.features**2).sum(axis=1)[:, None]
+    # |b|² − 2 a·b is one product of a row that ends in 1 with one that ends in |b|²; |a|² changes no nearest one
+    rows = np.concatenate((-2 * query.features, np.ones_like(own)), axis=1)
     result = np.empty((len(query.masses), len(others)))
-    for begin in range(0, len(others), 100):
-        block = others[begin : begin + 100]
+    for begin in range(0, len(others), AT_ONCE):
+        block = others[begin : begin + AT_ONCE]
         features = np.concatenate([shape.features for shape in block])
         starts = np.cumsum([0, *(len(shape.masses) for shape in block[:-1])])
-        apart = own + (features**2).sum(axis=1) - 2 * query.features @ features.T
-        result[:, begin : begin + len(block)] = np.minimum.reduceat(apart, starts, axis=1)
-    return np.asarray(np.sqrt(np.maximum(result, 0.0)))
+        columns = np.concatenate((features, np.einsum("pf,pf->p", features, features)[:, None]), axis=1)
+        result[:, begin : begin + len(block)] = np.minimum.reduceat(rows @ columns.T, starts, axis=1)
+    return np.asarray(np.sqrt(np.maximum(result + own, 0.0)))
