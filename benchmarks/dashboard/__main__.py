@@ -5,8 +5,9 @@ and a shape, and looks at them in a headless Chromium that draws by the processo
 
 - first load: bytes over the network page by page, and the time until a page can be used, with an empty cache;
 - playback: frames per second of the motion, and the time that decoding one frame takes in the player's thread;
-- lists: 10,000 shapes are scrolled through, and 10,000 jobs are paged;
+- lists: 10,000 shapes are scrolled through, and 10,000 jobs are paged, and a page of them scrolled;
 - large: the time until a volume of 512 voxels along each axis is seen, and the memory that it takes;
+- mesh: the same for an uploaded mesh of more than a million faces, and for how long the page stands still;
 - memory: what 100 views of jobs and shapes with their viewers leave behind, garbage collected.
 
 Writes ``benchmarks/results/dashboard.json`` and ``.md``. The dashboard has to be built (``make setup``).
@@ -26,9 +27,9 @@ import httpx
 
 from benchmarks.dashboard.browser import chromium
 from benchmarks.dashboard.memory import memory
-from benchmarks.dashboard.pages import first_load, paged, playback, scrolled, seen, viewed
+from benchmarks.dashboard.pages import first_load, looked_at, paged, playback, scrolled, seen, viewed
 from benchmarks.dashboard.report import PARTS, report
-from benchmarks.dashboard.samples import fill
+from benchmarks.dashboard.samples import fill, fine
 from benchmarks.search_over_http import RESULTS, platform
 from shapery_client import Client
 
@@ -74,6 +75,7 @@ def main() -> None:
                 "wall": lambda: scrolled(browser, url, shape, options.jobs),
                 "memory": lambda: memory(url, list(viewers.values()), options.views),
                 "large": lambda: seen(browser, url, ids["large"]),
+                "mesh": lambda: looked_at(browser, url, fine(Path(folder) / "fine.stl")),
                 "jobs": lambda: paged(browser, url, shape["asset_id"], options.jobs),
             }
             for name in options.only:

@@ -32,22 +32,22 @@ async (path) => {
 }
 """
 
-
-KINDS = {"code": "machine code and bytecode", "native": "the browser's own"}
-"""Nodes of a heap snapshot that no script has made; the rest are objects of scripts."""
+KINDS = ("code", "native")
+"""Nodes of a heap snapshot that no script has made: compiled functions, and the browser's own."""
 
 
 def memory(url: str, paths: Sequence[str], views: int) -> dict[str, Any]:
     """Go to and fro between pages with viewers and the list of jobs, all within one page; memory after each view.
 
-    Of processes it is what they hold for themselves. What the heap holds is told at half of the views and at their end:
-    as long as scripts run, the engine compiles what runs often, and keeps the code.
+    Of processes it is what they hold for themselves. What it is that grows in the heap is told by half as many views
+    more, before and after which all of it is listed (which takes memory, too): as long as scripts run, the engine
+    compiles what runs often, and keeps the code.
     """
     half = views // 2
     with bare_chromium(executable(), BROWSER) as browser:
         page = browser.open(f"{url}/jobs", SIZE["width"], SIZE["height"])
         time.sleep(2)
-        heaps, nodes, kinds = [], [], []
+        heaps, nodes = [], []
         process = psutil.Process(browser.process.pid)
         taken: dict[str, list[float]] = {name: [] for name in PROCESSES.values()}
         for view in range(1, views + 1):
@@ -57,15 +57,15 @@ def memory(url: str, paths: Sequence[str], views: int) -> dict[str, Any]:
             nodes.append(page.send("Memory.getDOMCounters")["nodes"])
             for name, megabytes in held(process).items():
                 taken[name].append(megabytes)
-            if view in (half, views):
-                kinds.append(by_kind(page.heap_snapshot()))
+        before = by_kind(page.heap_snapshot())
+        for view in range(half):
+            page.evaluate(VIEW, paths[view % len(paths)])
+        after = by_kind(page.heap_snapshot())
     return {
         "views": views,
         "nodes": [nodes[0], nodes[half - 1], nodes[-1]],
         "heap_mb": growth(heaps, half),
-        "heap_kb_per_view": {
-            kind: round((after - kinds[0][kind]) / (views - half) / 1e3, 1) for kind, after in kinds[1].items()
-        },
+        "heap_kb_per_view": {kind: round((after[kind] - before[kind]) / half / 1e3, 1) for kind in after},
         **{f"{name}_mb": growth(megabytes, half) for name, megabytes in taken.items()},
     }
 
@@ -90,5 +90,11 @@ def growth(values: Sequence[float], settled: int) -> dict[str, Any]:
 
 
 def slope(values: Sequence[float]) -> float:
-    """Return how much values grow in a step."""
-    return float(np.polyfit(np.arange(len(values)), values, 1)[0])
+    """Return how much values grow in a step: the median over all pairs (Theil and Sen).
+
+    The process that draws takes and gives back buffers of megabytes for what it keeps at hand, and a line of least
+    squares follows those.
+    """
+    at = np.arange(len(values))
+    one, other = np.triu_indices(len(values), 1)
+    return float(np.median((np.asarray(values)[other] - np.asarray(values)[one]) / (at[other] - at[one])))

@@ -6,6 +6,7 @@ import re
 import statistics
 import time
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import httpx
@@ -175,7 +176,7 @@ def scrolled(browser: Any, url: str, shape: dict[str, Any], total: int) -> dict[
 
 
 def paged(browser: Any, url: str, mesh: str, total: int) -> dict[str, float]:
-    """Make many jobs and call them off, then go through pages of their list."""
+    """Make many jobs and call them off, then go through pages of their list, and scroll one up and down."""
     items = [{"inputs": {"mesh": mesh}, "params": {}}] * total
     with httpx.Client(base_url=url, timeout=120) as api:
         batch = api.post("/v1/batches", json={"kind": "shape-index", "items": items}).raise_for_status().json()
@@ -195,8 +196,57 @@ def paged(browser: Any, url: str, mesh: str, total: int) -> dict[str, float]:
             arg=before,
         )
         seconds.append(time.perf_counter() - began)
+    page.wait_for_timeout(1_000)
+    page.evaluate(
+        "() => { let by = 20; const go = () => { const before = scrollY; scrollBy(0, by);"
+        " if (scrollY === before) by = -by; requestAnimationFrame(go); }; go(); }",
+    )
+    times = page.evaluate(FRAME_TIMES, 6_000)
+    rows = page.locator("tr[data-job]").count()
     page.context.close()
-    return {"jobs": total, "next_page_ms": round(1000 * statistics.median(seconds))}
+    return {
+        "jobs": total,
+        "next_page_ms": round(1000 * statistics.median(seconds)),
+        "rows": rows,
+        **frame_times(times),
+    }
+
+
+def looked_at(browser: Any, url: str, path: Path) -> dict[str, float]:
+    """Upload a mesh of many faces, and look at it.
+
+    Seconds until it is drawn, the longest task in which the page does nothing else, and what the page takes at most.
+    """
+    page = opened(browser)
+    page.add_init_script(
+        "window.tasks = [];"
+        "new PerformanceObserver((list) => tasks.push(...list.getEntries().map((e) => e.duration)))"
+        ".observe({ type: 'longtask', buffered: true });"
+    )
+    page.goto(f"{url}/upload")
+    page.get_by_test_id("files").set_input_files(path)
+    page.get_by_role("img", name=f"Preview of {path.name}").wait_for()
+    button = page.get_by_role("button", name=f"Look at {path.name}").first
+    button.wait_for()
+    page.wait_for_timeout(1_500)
+    before = held(psutil.Process())
+    page.evaluate("tasks.length = 0")
+    began = time.perf_counter()
+    button.click(no_wait_after=True)
+    most = until_drawn(page, page.locator("section[aria-label=Mesh][data-status=ready]"), before)
+    seconds = time.perf_counter() - began
+    faces = page.get_by_text("drawn coarser than it is").inner_text()
+    longest = page.evaluate("Math.max(0, ...tasks)")
+    page.context.close()
+    drawn, whole = (int(re.sub(r"\D", "", number)) for number in faces.split(":")[1].split(" of "))
+    return {
+        "faces": whole,
+        "drawn_faces": drawn,
+        "file_mb": round(path.stat().st_size / 1e6),
+        "seen_s": round(seconds, 1),
+        "longest_task_ms": round(longest),
+        "page_most_mb": round(most),
+    }
 
 
 def seen(browser: Any, url: str, job: str) -> dict[str, float]:
@@ -207,12 +257,7 @@ def seen(browser: Any, url: str, job: str) -> dict[str, float]:
     before = held(psutil.Process())
     began = time.perf_counter()
     page.goto(f"{url}/jobs/{job}", wait_until="commit")
-    drawn = page.locator("section[aria-label=Volume][data-status=ready]")
-    most = 0.0
-    while drawn.count() == 0:
-        most = max(most, held(psutil.Process())["pages"] - before["pages"])
-        page.wait_for_timeout(50)
-    page.evaluate("new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)))")
+    most = until_drawn(page, page.locator("section[aria-label=Volume][data-status=ready]"), before)
     seconds = time.perf_counter() - began
     after = held(psutil.Process())
     page.context.close()
@@ -222,6 +267,16 @@ def seen(browser: Any, url: str, job: str) -> dict[str, float]:
         "page_after_mb": round(after["pages"] - before["pages"]),
         "drawing_after_mb": round(after["drawing"] - before["drawing"]),
     }
+
+
+def until_drawn(page: Any, ready: Any, before: dict[str, float]) -> float:
+    """Wait until something is drawn; return what the page has taken more than before at most, in MB."""
+    most = 0.0
+    while ready.count() == 0:
+        most = max(most, held(psutil.Process())["pages"] - before["pages"])
+        page.wait_for_timeout(50)
+    page.evaluate("new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)))")
+    return most
 
 
 def frame_times(times: Sequence[float]) -> dict[str, float]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-PARTS = ("loads", "viewers", "playback", "wall", "memory", "jobs", "large")
+PARTS = ("loads", "viewers", "playback", "wall", "memory", "jobs", "large", "mesh")
 
 
 def table(heads: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
@@ -16,7 +16,9 @@ def table(heads: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
 
 def report(found: dict[str, Any]) -> str:
     """Tell in words what was measured."""
-    played, wall, jobs, held, large = (found[name]["found"] for name in ("playback", "wall", "jobs", "memory", "large"))
+    played, wall, jobs, held, large, mesh = (
+        found[name]["found"] for name in ("playback", "wall", "jobs", "memory", "large", "mesh")
+    )
     loads = [(name, *one.values()) for name, one in found["loads"]["found"].items()]
     viewers = [(name, *one.values()) for name, one in found["viewers"]["found"].items()]
     kinds = held["heap_kb_per_view"]
@@ -48,19 +50,23 @@ rest is drawing.
 
 A wall of {wall["rows"]:,} shapes, scrolled through its middle: {wall["fps"]} frames/s, {wall["p95_ms"]} ms between
 frames at the 95th percentile, {wall["longest_ms"]} ms at the most, {wall["elements"]} elements in the page. With
-{jobs["jobs"]:,} jobs the next page of their list is there after {jobs["next_page_ms"]} ms.
+{jobs["jobs"]:,} jobs the next page of their list is there after {jobs["next_page_ms"]} ms, and its {jobs["rows"]} rows
+scroll at {jobs["fps"]} frames/s, {jobs["p95_ms"]} ms at the 95th percentile, {jobs["longest_ms"]} ms at the most.
 
 A volume of 512 × 512 × 512 voxels is seen after {large["seen_s"]} s, its download included; meanwhile the page takes
 {large["page_most_mb"]} MB at the most, and afterwards {large["page_after_mb"]} MB, the process that draws
-{large["drawing_after_mb"]} MB.
+{large["drawing_after_mb"]} MB. An uploaded mesh of {mesh["faces"]:,} faces ({mesh["file_mb"]} MB) is seen after
+{mesh["seen_s"]} s, as {mesh["drawn_faces"]:,} faces; meanwhile the page stands still for {mesh["longest_task_ms"]} ms
+at the most, and takes {mesh["page_most_mb"]} MB at the most.
 
 Memory over {held["views"]} views of a segmentation, a motion and a shape in turn, garbage collected after each, in a
 browser that nobody watches (to whoever listens to the network of a page, Chromium keeps what the page has loaded: 3 MB
 a view of the segmentation); of processes what they hold for themselves, without what is read from files. MB after every
-tenth view, and kB a view by a line through the second half. Nodes of documents went from {held["nodes"][1]} at half to
-{held["nodes"][2]}. By snapshots of the heap at half and at the end, objects of scripts grew by {kinds["objects"]} kB a
-view, the browser's own by {kinds["native"]}; the engine, which goes on compiling what runs often, kept
-{kinds["code"]} kB of code a view.
+tenth view, and kB a view as the median slope between any two views of the second half (Theil and Sen): the process that
+draws keeps buffers of megabytes at hand, which come and go. Nodes of documents went from {held["nodes"][1]} at half to
+{held["nodes"][2]}. In half as many views more, of what the heap holds, objects of scripts grew by
+{kinds["objects"]} kB a view and the browser's own by {kinds["native"]}; the engine, which goes on compiling what runs
+often, kept {kinds["code"]} kB of code a view.
 
 {table(("memory", "MB after every tenth view", "kB a view"), memories)}
 """

@@ -46,6 +46,12 @@ def shells(size: int, path: Path) -> None:
     write_nifti(Volume(data, np.diag([230 / size, 230 / size, 230 / size, 1.0])), path)
 
 
+def fine(path: Path) -> Path:
+    """Write a ball of 1.3 million faces, as STL: each face has corners of its own."""
+    write_mesh(icosphere(subdivisions=8), path)
+    return path
+
+
 def fill(client: Client, folder: Path, *, large: bool) -> dict[str, str]:
     """Give the platform something to show, also a `large` volume; ids by name."""
     head = folder / "head"
