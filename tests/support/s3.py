@@ -1,4 +1,4 @@
-"""A real S3 API from a server process (moto).
+"""A real S3 API from a server process (moto, see `s3_process`).
 
 ::
 
@@ -59,7 +59,7 @@ class S3Server:
         self.port = self.port or processes.free_port()
         log = self.folder / "server.log"
         self._process = processes.spawn(
-            [sys.executable, "-m", "moto.server", "-H", "127.0.0.1", "-p", str(self.port)],
+            [sys.executable, "-P", str(Path(__file__).with_name("s3_process.py")), str(self.port)],
             log,
             # no credentials of the machine are looked for
             environment={"MOTO_ENABLE_ISO_REGIONS": "false", "TMPDIR": str(self.folder), "PYTHONWARNINGS": "ignore"},
