@@ -14,8 +14,10 @@ import os
 import time
 from collections.abc import Mapping, Sequence
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
+from uuid import UUID
 
 import numpy as np
 
@@ -29,6 +31,7 @@ from shapery_retrieval.job import PARTIAL_CANDIDATES
 from shapery_retrieval.patches import Patches, nearest_patches, patches_of
 from shapery_retrieval.ranking import local_scale
 from shapery_retrieval.vocabulary import vocabulary
+from shapery_worker.bank import VectorTable
 
 BEST = 20
 TOGETHER = 5
@@ -71,11 +74,8 @@ def kept_of_exhaustive(args: Sequence[Arg], queries: Mapping[str, Query], sizes:
             nearest_patches(patches, compared)
     compare = (time.process_time() - began) / len(queries)
     rows = []
-    for size, found in zip(sizes, figures.transpose(1, 0, 2), strict=True):
-        began = time.process_time()
-        for several in hypotheses:
-            np.linalg.norm(joined.covered[:size] - asked_of(several).astype(np.float32), axis=1)
-        scan = (time.process_time() - began) / len(queries)
+    scans = scanned(joined, hypotheses, sizes)
+    for size, scan, found in zip(sizes, scans, figures.transpose(1, 0, 2), strict=True):
         rows.append(
             {
                 "size": size,
@@ -88,6 +88,20 @@ def kept_of_exhaustive(args: Sequence[Arg], queries: Mapping[str, Query], sizes:
             }
         )
     return rows
+
+
+def scanned(joined: Joined, queries: Sequence[Sequence[Patches]], sizes: Sequence[int]) -> list[float]:
+    """Return for each size the mean processor seconds of finding candidates, as a worker finds them in memory."""
+    table = VectorTable()
+    seconds = []
+    for begin, end in pairwise((0, *sizes)):
+        for place in range(begin, end):
+            table.put(UUID(int=place), joined.covered[place].tobytes())
+        began = time.process_time()
+        for several in queries:
+            table.nearest(asked_of(several), PARTIAL_CANDIDATES, None)
+        seconds.append((time.process_time() - began) / len(queries))
+    return seconds
 
 
 class Joined:
