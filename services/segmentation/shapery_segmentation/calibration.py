@@ -80,8 +80,104 @@ class Calibration:
     subtracted: bool
 
 
-def calibrate(brain: Brain, post: Volume, pre: Volume | None, *, without_drift: bool = False) -> Calibration:
-    """Return the calibrated difference on the brain's working grid.
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """The two volumes on the brain's working grid, fitted to each other: what every calibrated difference is made of.
+
+    Parameters
+    ----------
+    after, reference : (I, J, K) float32
+        The volume after contrast, and the one before it; without that twice the one after, its brightness evened.
+    mask : (I, J, K) bool
+        The brain where both are known.
+    chosen : (n,) int64
+        Voxels within it that everything is fitted to.
+    slope, offset
+    subtracted
+        As `Calibration` has them.
+    spacing
+        Edge of a voxel in mm.
+    """
+
+    after: FloatArray
+    reference: FloatArray
+    mask: BoolArray
+    chosen: NDArray[np.int64]
+    slope: float
+    offset: float
+    subtracted: bool
+    spacing: float
+
+    def calibrated(self, *, without_drift: bool = False) -> Calibration:
+        """Return the calibrated difference.
+
+        Parameters
+        ----------
+        without_drift
+            Whether a smooth drift between the two volumes is taken out first. It shows small tumors that the drift
+            hides, and raises the brain's rim, which is grey and less bright, with its veins and dura: good for a second
+            look.
+
+        Raises
+        ------
+        InvalidInput
+            ``invalid_volume`` if the brain shows no variation.
+
+        Notes
+        -----
+        With the slope a of the fit, U = G₀.₆ ∗ [(post − 0.65·a·pre − median) / (1.4826·MAD)], median and MAD over the
+        brain. Without `pre`, a = 0 and the median gives way to the 65th percentile, after `post` was divided by its own
+        local brightness: U then also carries the contrast between normal tissues.
+        """
+        # A tumor brightens after contrast only; a falling fit means that the volumes are unlike, and must not be
+        # amplified.
+        share = SUBTRACTED * max(self.slope, 0.0)
+        residual = self._of(self.after)
+        drift = np.zeros(len(DRIFT_TERMS))
+        if self.subtracted:
+            residual = residual - share * self._of(self.reference)
+            if without_drift:
+                terms = _drift_terms(self.chosen, self.after.shape)
+                every = max(1, len(terms) // DRIFT_SAMPLES)
+                drift = trimmed_drift(terms[::every], residual[::every])
+                residual = residual - terms @ drift
+        middle = float(np.median(residual))
+        noise = MAD_TO_SIGMA * float(np.median(np.abs(residual - middle)))
+        if not self.subtracted:
+            middle = float(np.percentile(residual, TISSUE_PERCENTILE))
+        if not noise > 0:
+            raise InvalidInput(
+                "invalid_volume",
+                "More than half of the brain has one and the same intensity.",
+                "Give the original volumes, not masks or heavily quantised copies.",
+            )
+        with np.errstate(invalid="ignore"):
+            difference = self.after - np.float32(share) * self.reference if self.subtracted else self.after
+            if drift.any():
+                difference -= _drift_on(self.after.shape, drift)
+            field = (difference - np.float32(middle)) / np.float32(noise)
+        field[~self.mask] = 0.0
+        field = gaussian(field, SMOOTHING / self.spacing)
+        return Calibration(field, self._normal(), self.slope, self.offset, noise, self.subtracted)
+
+    def _normal(self) -> FloatArray:
+        """Return `Calibration.before`."""
+        values = self._of(self.reference)
+        centre = float(np.median(values))
+        spread = max(MAD_TO_SIGMA * float(np.median(np.abs(values - centre))), 1e-30)
+        normal = (self.reference - np.float32(centre)) / np.float32(spread)
+        normal[~self.mask] = 0.0
+        if not self.subtracted:
+            # After contrast a tumor is bright itself: that says nothing about its tissue.
+            np.minimum(normal, 0.0, out=normal)
+        return normal
+
+    def _of(self, volume: FloatArray) -> NDArray[np.float64]:
+        return volume.ravel()[self.chosen].astype(np.float64)
+
+
+def compare(brain: Brain, post: Volume, pre: Volume | None) -> Comparison:
+    """Bring both volumes onto the brain's working grid, and fit the one to the other (trimmed least squares).
 
     Parameters
     ----------
@@ -89,21 +185,11 @@ def calibrate(brain: Brain, post: Volume, pre: Volume | None, *, without_drift: 
         Grid and mask.
     post, pre
         The volumes after and before contrast, on any grids of one frame.
-    without_drift
-        Whether a smooth drift between the two volumes is taken out first. It shows small tumors that the drift hides,
-        and raises the brain's rim, which is grey and less bright, with its veins and dura: good for a second look.
 
     Raises
     ------
     InvalidInput
-        ``invalid_volume`` if the brain shows no variation; ``grid_mismatch`` if the volumes have nothing in common.
-
-    Notes
-    -----
-    With a trimmed least-squares fit of slope a over the brain,
-    U = G₀.₆ ∗ [(post − 0.65·a·pre − median) / (1.4826·MAD)], median and MAD over the brain.
-    Without `pre`, a = 0 and the median gives way to the 65th percentile, after `post` was divided by its own local
-    brightness: U then also carries the contrast between normal tissues.
+        ``invalid_volume`` or ``grid_mismatch`` if too little of the brain is known.
     """
     after = brain.grid.sample(post)
     before = brain.grid.sample(pre) if pre is not None else None
@@ -124,44 +210,13 @@ def calibrate(brain: Brain, post: Volume, pre: Volume | None, *, without_drift: 
     slope, offset = 0.0, float(np.median(y))
     if before is not None:
         slope, offset = trimmed_fit(before.ravel()[chosen].astype(np.float64), y)
-    # A tumor brightens after contrast only; a falling fit means that the volumes are unlike, and must not be amplified.
-    share = SUBTRACTED * max(slope, 0.0)
-    residual = y if before is None else y - share * before.ravel()[chosen]
-    drift = np.zeros(len(DRIFT_TERMS))
-    if before is not None and without_drift:
-        terms = _drift_terms(chosen, after.shape)
-        every = max(1, len(terms) // DRIFT_SAMPLES)
-        drift = trimmed_drift(terms[::every], residual[::every])
-        residual = residual - terms @ drift
-    middle = float(np.median(residual))
-    noise = MAD_TO_SIGMA * float(np.median(np.abs(residual - middle)))
-    if before is None:
-        middle = float(np.percentile(residual, TISSUE_PERCENTILE))
-    if not noise > 0:
-        raise InvalidInput(
-            "invalid_volume",
-            "More than half of the brain has one and the same intensity.",
-            "Give the original volumes, not masks or heavily quantised copies.",
-        )
-    with np.errstate(invalid="ignore"):
-        difference = after - np.float32(share) * before if before is not None else after
-        if drift.any():
-            difference -= _drift_on(after.shape, drift)
-        field = (difference - np.float32(middle)) / np.float32(noise)
-    field[~mask] = 0.0
-    sigma = SMOOTHING / brain.grid.spacing
-    field = gaussian(field, sigma)
-
     reference = after if before is None else before
-    values = reference.ravel()[chosen].astype(np.float64)
-    centre = float(np.median(values))
-    spread = max(MAD_TO_SIGMA * float(np.median(np.abs(values - centre))), 1e-30)
-    normal = (reference - np.float32(centre)) / np.float32(spread)
-    normal[~mask] = 0.0
-    if before is None:
-        # After contrast a tumor is bright itself: that says nothing about its tissue.
-        np.minimum(normal, 0.0, out=normal)
-    return Calibration(field, normal, slope, offset, noise, before is not None)
+    return Comparison(after, reference, mask, chosen, slope, offset, before is not None, brain.grid.spacing)
+
+
+def calibrate(brain: Brain, post: Volume, pre: Volume | None, *, without_drift: bool = False) -> Calibration:
+    """Return the calibrated difference of two volumes: see `compare` and `Comparison.calibrated`."""
+    return compare(brain, post, pre).calibrated(without_drift=without_drift)
 
 
 def trimmed_drift(terms: NDArray[np.float64], residual: NDArray[np.float64]) -> NDArray[np.float64]:

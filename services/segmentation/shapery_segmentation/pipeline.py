@@ -24,7 +24,7 @@ from shapery_contracts.segmentation import Alignment, SegmentationParams, Segmen
 from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.volume import Volume
 from shapery_segmentation.brain import find_brain
-from shapery_segmentation.calibration import calibrate
+from shapery_segmentation.calibration import compare
 from shapery_segmentation.evolution import Frame, Scene, Show, numbered
 from shapery_segmentation.labels import ENCLOSED, MICROHEMORRHAGE, OBJECT, VESSEL
 from shapery_segmentation.modes import choose_mode
@@ -226,7 +226,8 @@ def _tumors(
     with run.stage("calibrate"):
         brain = find_brain(pre if pre is not None else post, post)
         run.check()
-        calibration = calibrate(brain, post, pre)
+        comparison = compare(brain, post, pre)
+        calibration = comparison.calibrated()
 
     with run.stage("seed"):
         search = find_candidates(calibration, brain.mask, brain.grid.spacing, check_cancelled=run.check)
@@ -255,7 +256,7 @@ def _tumors(
         found = recovered()
         if not found and not params.seeds and pre is not None:
             # A second look: what is small and weak may be hidden by a drift between the volumes.
-            calibration = calibrate(brain, post, pre, without_drift=True)
+            calibration = comparison.calibrated(without_drift=True)
             search = find_candidates(
                 calibration, brain.mask, brain.grid.spacing, plane=search.plane, check_cancelled=run.check
             )

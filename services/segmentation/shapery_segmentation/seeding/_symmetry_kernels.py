@@ -27,7 +27,7 @@ def _across_border(image: Array, x: float, y: float, z: float, outside: float) -
                 p, q, r = x0 + a, y0 + b, z0 + c
                 inside = 0 <= p < image.shape[0] and 0 <= q < image.shape[1] and 0 <= r < image.shape[2]
                 value += w * (image[p, q, r] if inside else outside)
-    return value
+    return float(value)
 
 
 @inlined
@@ -35,7 +35,7 @@ def _value_at(image: Array, flat: Array, x: float, y: float, z: float, outside: 
     """Return the trilinear value of `image`, of which `flat` is a view, at a place; beyond it `outside`."""
     nx, ny, nz = image.shape
     if not (0.0 <= x < nx - 1 and 0.0 <= y < ny - 1 and 0.0 <= z < nz - 1):
-        return _across_border(image, x, y, z, outside)
+        return float(_across_border(image, x, y, z, outside))
     x0, y0, z0 = np.uint64(x), np.uint64(y), np.uint64(z)
     u, v, w = x - x0, y - y0, z - z0
     # Unsigned, or every index would be asked whether it counts from the end.
@@ -48,7 +48,7 @@ def _value_at(image: Array, flat: Array, x: float, y: float, z: float, outside: 
     far = (1.0 - v) * ((1.0 - w) * flat[beyond] + w * flat[beyond + one]) + v * (
         (1.0 - w) * flat[beyond + row] + w * flat[beyond + row + one]
     )
-    return (1.0 - u) * near + u * far
+    return float((1.0 - u) * near + u * far)
 
 
 @njit(cache=True, nogil=True)
