@@ -27,6 +27,7 @@ from shapery_platform.jobs.creation import (
     input_rows,
     job_name,
     job_row,
+    shapes_asked_by,
     validated_params,
 )
 from shapery_platform.jobs.lifecycle import retried
@@ -87,9 +88,10 @@ def create(
     if key is not None and (known := _known(session, owner, key, print_)) is not None:
         return known, False
     names = check_assets(session, owner, kind, inputs)
+    shapes = shapes_asked_by(session, owner, (row["params"] for row in rows))
     batch_id = new_id()
     for row, listed in zip(rows, inputs, strict=True):
-        row |= {"batch_id": batch_id, "name": job_name(listed, names)}
+        row |= {"batch_id": batch_id, "name": job_name(listed, names, row["params"], shapes)}
     batch = {
         "id": batch_id,
         "owner": owner,

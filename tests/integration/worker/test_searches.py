@@ -174,6 +174,7 @@ def test_what_takes_longer_is_answered_with_its_job(bench: Bench) -> None:
     assert response.status_code == 202
     job = response.json()
     assert response.headers["location"] == f"/v1/jobs/{job['id']}"
+    assert job["name"] == bench.http.get(f"/v1/shapes/{bench.ids[5]}").json()["name"] != ""
     early = bench.http.get(f"/v1/search/{job['id']}")
     assert early.status_code == 202
     assert bench.ended(job["id"])["state"] == "succeeded"
@@ -190,6 +191,12 @@ def test_filters_and_faults(bench: Bench) -> None:
     assert len(bench.search(shape_id=bench.ids[5], collection="fibonacci").json()["hits"]) == len(bench.ids) - 1
     assert bench.search(shape_id="01890a5d-ac96-774b-bcce-b302099a8057").status_code == 404
     assert bench.search().status_code == 422
+    elsewhere = {"kind": "shape-search", "inputs": {}, "params": {"shape_id": "of another bank"}}
+    assert bench.http.post("/v1/jobs", json=elsewhere).json()["name"] == ""
+    batch = {"kind": "shape-search", "items": [{"inputs": {}, "params": {"shape_id": bench.ids[5]}}]}
+    batch_id = bench.http.post("/v1/batches", json=batch).json()["id"]
+    (item,) = bench.http.get("/v1/jobs", params={"batch_id": batch_id}).json()["items"]
+    assert item["name"] == bench.http.get(f"/v1/shapes/{bench.ids[5]}").json()["name"]
     assert bench.search(shape_id=bench.ids[5], asset_id=bench.ids[5]).status_code == 422
     assert bench.search(asset_id=bench.ids[5]).status_code == 404
 

@@ -249,7 +249,7 @@ class Job(Base):
     preview: Mapped[int] = mapped_column(Integer, default=0, server_default=text("0"))
     """Number of its preview, which is that of the event that told of it; 0: there is none."""
     name: Mapped[str] = mapped_column(String(255), default="", server_default=text("''"))
-    """What people know it by: the file name of the first asset of its first input, also after that was deleted."""
+    """What people know it by, see `jobs.creation.job_name`; also after what it is named by was deleted or renamed."""
     took: Mapped[float] = mapped_column(Float, default=-1.0, server_default=text("-1"))
     """Seconds from its start to its end; -1 while it has not ended, and where it never began."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from datetime import datetime
 from typing import Any
 from uuid import UUID
@@ -21,6 +21,7 @@ from shapery_platform.db import new_id, utc_now
 from shapery_platform.db.models import Job
 from shapery_platform.db.repositories import assets as asset_repository
 from shapery_platform.db.repositories import jobs as repository
+from shapery_platform.db.repositories import shapes as shape_repository
 from shapery_platform.db.text import canonical_json
 from shapery_platform.settings import Settings
 
@@ -56,7 +57,7 @@ def create(
     names = check_assets(session, owner, kind, [inputs])
     now = utc_now()
     row = job_row(settings, owner, kind, params, print_, now)
-    row["name"] = job_name(inputs, names)
+    row["name"] = job_name(inputs, names, params, shapes_asked_by(session, owner, [params]))
     row.update(idempotency_key=key, batch_id=batch_id, batch_index=index)
     try:
         with session.begin_nested():
@@ -186,9 +187,33 @@ def check_assets(
     return {asset_id: asset.filename for asset_id, asset in assets.items()}
 
 
-def job_name(inputs: Mapping[str, Sequence[UUID]], names: Mapping[UUID, str]) -> str:
-    """Return what people know a job by: the file name of the first asset of its first input, or nothing."""
-    return next((names[ids[0]] for ids in inputs.values()), "")
+def shapes_asked_by(session: Session, owner: str, params: Iterable[Mapping[str, Any]]) -> dict[str, str]:
+    """Return the names, by id, of the stored shapes that jobs with these parameters are asked about."""
+    asked = {found for one in params if (found := _shape_id(one)) is not None}
+    return {str(shape.id): shape.name for shape in shape_repository.find_all(session, owner, asked)} if asked else {}
+
+
+def job_name(
+    inputs: Mapping[str, Sequence[UUID]],
+    files: Mapping[UUID, str],
+    params: Mapping[str, Any],
+    shapes: Mapping[str, str],
+) -> str:
+    """Return what people know a job by.
+
+    That is the stored shape that it is asked about, or the file name of the first asset of its first input, or nothing.
+    """
+    shape = _shape_id(params)
+    if shape is not None and (name := shapes.get(str(shape))):
+        return name
+    return next((files[ids[0]] for ids in inputs.values()), "")
+
+
+def _shape_id(params: Mapping[str, Any]) -> UUID | None:
+    try:
+        return UUID(params["shape_id"]) if params.get("shape_id") else None
+    except (TypeError, ValueError):
+        return None  # an id of another kind of bank, or another kind's parameter of this name
 
 
 def job_row(
