@@ -106,8 +106,8 @@ class JobView(BaseModel):
 
     id: UUID
     name: str = ""
-    """What the stored shape that it is asked about was called when it was made, or else the file name of the first asset
-    of its first input; empty without either."""
+    """What the stored shape that it is asked about was called when it was made, or else the file name of the first
+    asset of its first input; empty without either."""
     kind: str
     state: JobState
     inputs: dict[str, list[UUID]]
