@@ -178,7 +178,7 @@ def recover_object(
     check_cancelled()
 
     ball, to_ball, start = seed_ball(object_voxels, part.affine)
-    seed = surface_of(ball, to_ball)
+    seed = surface_of(ball, to_ball, even=True)
     # A vertex has about 0.87 of its squared edge length to itself.
     edge = max(spacing, float(np.sqrt(seed.area / (0.87 * LARGEST_SURFACE))))
     edge = params.edge_length if params.edge_length is not None else edge
