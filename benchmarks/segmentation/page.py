@@ -57,7 +57,8 @@ def document(results: Results) -> str:
         "seeds, one default setting for all cases, from files to files, one thread, kernels loaded. ASSD, HD95 and the",
         "volume's difference are of the enhancing part. Where the expert marked no enhancing tumor there is nothing to",
         "overlap: what counts is that no object is found. The expert's core includes tumor that does not enhance,",
-        "which the method cannot see by its nature. Under load CPU seconds rise, too: compare times within a part.",
+        "which the method cannot see by its nature. Times of whole cases are medians of three runs. Under load CPU",
+        "seconds rise, too: compare times within a part.",
         "",
         *_machines(results),
     ]
