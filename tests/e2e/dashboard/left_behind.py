@@ -67,4 +67,5 @@ def check_nothing_is_left(open_page: OpenPage, path: str) -> None:
     page.evaluate(VIEW, path)
     settled = page.evaluate(VIEW, path)
     for _ in range(3):
-        assert page.evaluate(VIEW, path) == settled
+        now = page.evaluate(VIEW, path)
+        assert now == settled, f"{settled} became {now}"
