@@ -26,8 +26,8 @@ CACHE = Path(os.environ.get("SHAPERY_BENCH_CACHE", Path(tempfile.gettempdir()) /
 _ROOT = Path(__file__).resolve().parents[2]
 _COMPARING = (
     "_correspondence_kernels", "_matching_kernels", "arg", "commands", "correspondence", "coverage", "job", "laid_out",
-    "local", "matching", "packing", "preview", "ranking", "report", "search", "vector", "vectors", "vocabulary", "warm",
-    "threads",
+    "local", "matching", "packing", "pose", "preview", "ranking", "report", "search", "vector", "vectors", "vocabulary",
+    "warm", "threads",
 )  # fmt: skip
 """Sources that compare graphs, keep or show them, and do not change what is computed from a mesh."""
 _OF_VOLUMES = ("_rasterize_kernels", "_resampling_kernels", "mask_metrics", "rasterize", "resampling", "volume")
