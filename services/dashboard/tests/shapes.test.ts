@@ -72,6 +72,9 @@ describe("a search's address", () => {
       rerank: true,
       round: 2,
     });
+    // what makes no sense is overruled, or it would pass as the address has it
+    expect(readAddress({ shape: "id", labels: 5 })).toHaveProperty("labels", undefined);
+    expect(readAddress({ shape: "id", labels: "class:cup" }).labels).toEqual(["class:cup"]);
     expect(readAddress({ parts: 4 })).toEqual({ parts: "4" }); // a lone number arrives as one
     expect(readParts(writeParts([5, 0, 31]))).toEqual([5, 0, 31]);
     expect(readParts(undefined)).toEqual([]);

@@ -193,10 +193,17 @@ def test_says_when_the_server_does_not_answer(open_page: OpenPage, platform: Emb
         page = open_page("/jobs", base=network.url)
         page.watch.allowed.append("net::ERR")
         row_of(page, job).wait_for()
+        home = open_page("/", base=network.url)
+        home.watch.allowed.append("net::ERR")
+        server = home.get_by_role("region", name="This server")
+        server.get_by_text("Database").wait_for()
         network.down = True
         page.get_by_text("The server does not answer. What is shown").wait_for()
         row_of(page, job).wait_for()  # what was known stays
         check_open_to_everyone(page)
+        server.get_by_text("does not answer", exact=True).wait_for()
+        assert server.get_by_text("Database").count() == 0
+        check_open_to_everyone(home)
         network.down = False
         page.get_by_text("The server does not answer. What is shown").wait_for(state="detached")
         later = probe()

@@ -66,6 +66,31 @@ def test_asks_for_a_key_and_forgets_it_with_the_tab(open_page: OpenPage, guarded
     page.get_by_role("heading", name="This server asks for a key").wait_for()
 
 
+EMPTY = {
+    "/": "Nothing yet.",
+    "/batches": "No batches yet",
+    "/batches/new": "No volumes yet",
+    "/shapes": "No shapes yet",
+    "/shapes/search": "The bank is empty",
+    "/motion": "No mesh sequences yet",
+    "/upload": "Drop volumes here",
+}
+"""What pages say where nobody has done anything yet."""
+
+
+def test_pages_without_anything_on_them_say_what_to_do(open_page: OpenPage, guarded: tuple[str, str]) -> None:
+    url, secret = guarded
+    page = open_page("/jobs", base=url, color_scheme="dark")
+    page.watch.allowed += ["401", "503"]
+    page.get_by_role("textbox", name="API key").fill(secret)
+    page.keyboard.press("Enter")
+    page.get_by_role("heading", name="No jobs yet").wait_for()
+    for path, says in EMPTY.items():
+        page.goto(f"{url}{path}")
+        page.get_by_text(says).first.wait_for()
+        check_open_to_everyone(page)
+
+
 def test_a_key_goes_with_uploads_and_downloads(open_page: OpenPage, guarded: tuple[str, str], tmp_path: Path) -> None:
     url, secret = guarded
     mesh = TriangleMesh(np.eye(3), np.array([[0, 1, 2]]))

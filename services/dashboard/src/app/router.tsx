@@ -102,13 +102,12 @@ const motionRoute = createRoute({
   component: lazyRouteComponent(() => import("@/features/motion/MotionPage"), "MotionPage"),
 });
 
-const texts = (value: unknown): string[] =>
-  Array.isArray(value) ? value.filter((text) => typeof text === "string") : typeof value === "string" ? [value] : [];
+const texts = (value: unknown): string[] => [value].flat().filter((text) => typeof text === "string");
 
 /** Which shapes of the bank are shown. */
 export interface ShapesSearch {
   collection?: string | undefined;
-  labels?: string[];
+  labels?: string[] | undefined;
   name?: string | undefined;
   outdated?: boolean;
   order?: ShapeOrder | undefined;
@@ -119,7 +118,7 @@ const shapesRoute = createRoute({
   path: "/shapes",
   validateSearch: ({ collection, labels, name, outdated, order }: Record<string, unknown>): ShapesSearch => ({
     ...(text(collection) === undefined ? {} : { collection: text(collection) }),
-    ...(texts(labels).length > 0 ? { labels: texts(labels) } : {}),
+    labels: texts(labels).length > 0 ? texts(labels) : undefined, // also where the address has something else
     ...(text(name) === undefined ? {} : { name: text(name) }),
     ...(outdated === true ? { outdated } : {}),
     ...(order === "created" || order === "name" || order === "-name" ? { order } : {}),

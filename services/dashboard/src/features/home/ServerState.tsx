@@ -2,9 +2,11 @@ import { Paper, Text, Title } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { CircleCheck, CircleMinus, CircleX, LoaderCircle } from "lucide-react";
 import type { ReactNode } from "react";
+import { connection } from "@/api/connection";
 import { infoQuery, kindsQuery, readinessQuery, usageQuery } from "@/api/queries";
 import type { JobState, Usage } from "@/api/types";
 import { LinkAnchor } from "@/app/links";
+import { useStore } from "@/app/store";
 import { bytes, capital, integer } from "@/format/format";
 import classes from "./home.module.css";
 
@@ -22,6 +24,7 @@ export function ServerState() {
   const readiness = useQuery(readinessQuery);
   const kinds = useQuery({ ...kindsQuery, refetchInterval: 10_000 });
   const usage = useQuery(usageQuery);
+  const silent = useStore(connection) === "down";
   const services = new Map(kinds.data?.map(({ service, workers }) => [service, workers]));
   return (
     <Paper p="md" component="section" aria-labelledby="server">
@@ -34,12 +37,18 @@ export function ServerState() {
       <div className={classes.parts}>
         <div>
           <ul className={classes.states}>
-            {Object.entries(readiness.data?.checks ?? {}).map(([name, check]) => (
-              <State key={name} is={check.status === "ok" ? "good" : "bad"} name={PARTS[name] ?? name}>
-                {check.status === "ok" ? "answers" : check.detail || "does not answer"}
+            {silent ? (
+              <State is="bad" name="Server">
+                does not answer
               </State>
-            ))}
-            {readiness.isError && !readiness.data && (
+            ) : (
+              Object.entries(readiness.data?.checks ?? {}).map(([name, check]) => (
+                <State key={name} is={check.status === "ok" ? "good" : "bad"} name={PARTS[name] ?? name}>
+                  {check.status === "ok" ? "answers" : check.detail || "does not answer"}
+                </State>
+              ))
+            )}
+            {readiness.isError && !readiness.data && !silent && (
               <State is="bad" name="Server">
                 does not say how it is
               </State>

@@ -125,14 +125,11 @@ function Lead({ job }: { job: Job }) {
     );
   }
   return (
-    <Group component="span" gap={6} mt={2} role="status">
+    <Group component="span" gap={6} mt={2} role="status" wrap="nowrap" align="flex-start">
       <StateBadge state={job.state} />
-      {parts.map((part, index) => (
-        <Text key={part.key} span size="sm" c="dimmed">
-          {index > 0 ? "· " : ""}
-          {part}
-        </Text>
-      ))}
+      <Text span size="sm" c="dimmed" className={classes.facts ?? ""}>
+        {parts}
+      </Text>
     </Group>
   );
 }
@@ -309,7 +306,7 @@ function Ended({ job }: { job: Job }) {
           <Text fw={600} size="lg">
             {job.error.message}
           </Text>
-          {job.error.hint && <Text>{job.error.hint}</Text>}
+          {job.error.hint && !crashed && <Text>{job.error.hint}</Text>}
           <Text size="sm" c="dimmed">
             {crashed
               ? "The fault is on the server's side, and it was logged. Retry runs it again with the same input."

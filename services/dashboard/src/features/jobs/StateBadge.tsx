@@ -48,6 +48,7 @@ export function StateBadge({ state }: { state: JobState }) {
         data-state={state}
         styles={{
           root: {
+            flexShrink: 0,
             background: `color-mix(in srgb, var(--mantine-color-${color}-6) 14%, var(--card))`,
           },
           label: {

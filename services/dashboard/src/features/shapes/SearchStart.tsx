@@ -66,6 +66,15 @@ export function SearchStart() {
             onPicked={(picked) => void take(picked)}
           />
         )}
+        {shapes.data && some.length === 0 && (
+          <Text size="sm" c="dimmed">
+            The bank is empty: there is nothing to be found in it yet.{" "}
+            <LinkAnchor to="/shapes" underline="always">
+              Add shapes
+            </LinkAnchor>{" "}
+            first.
+          </Text>
+        )}
         {some.length > 0 && (
           <section aria-labelledby="newest">
             <Title order={2} id="newest" mb="sm">

@@ -3,16 +3,16 @@ import { readLabels } from "./labels";
 
 /** A search as its address tells it. */
 export interface SearchAddress {
-  shape?: string;
-  asset?: string;
+  shape?: string | undefined;
+  asset?: string | undefined;
   /** Numbers with commas between them. */
-  parts?: string;
-  mode?: "partial";
-  collection?: string;
-  labels?: string[];
-  rerank?: true;
+  parts?: string | undefined;
+  mode?: "partial" | undefined;
+  collection?: string | undefined;
+  labels?: string[] | undefined;
+  rerank?: true | undefined;
   /** How often it was wanted anew. */
-  round?: number;
+  round?: number | undefined;
 }
 
 export function writeParts(parts: readonly number[]): string {
@@ -35,18 +35,19 @@ export function searchOf({ shape, asset, parts, mode, collection, labels, rerank
   };
 }
 
-/** What an address holds of a search; everything else is left out. */
+/** What an address holds of a search; what makes no sense is undefined, so that it does not pass as it stands there. */
 export function readAddress(given: Record<string, unknown>): SearchAddress {
   const text = (value: unknown) => (typeof value === "string" || typeof value === "number" ? String(value) : undefined);
   const [shape, asset, parts, collection] = [given.shape, given.asset, given.parts, given.collection].map(text);
-  const labels = Array.isArray(given.labels) ? given.labels.filter((label) => typeof label === "string") : [];
+  const labels = [given.labels].flat().filter((label) => typeof label === "string");
   return {
-    ...(shape ? { shape } : asset ? { asset } : {}),
-    ...(parts && readParts(parts).length > 0 ? { parts: writeParts(readParts(parts)) } : {}),
-    ...(given.mode === "partial" ? { mode: "partial" } : {}),
-    ...(collection ? { collection } : {}),
-    ...(labels.length > 0 ? { labels } : {}),
-    ...(given.rerank === true ? { rerank: true } : {}),
-    ...(typeof given.round === "number" && given.round > 0 ? { round: given.round } : {}),
+    shape: shape || undefined,
+    asset: shape ? undefined : asset || undefined,
+    parts: writeParts(readParts(parts)) || undefined,
+    mode: given.mode === "partial" ? "partial" : undefined,
+    collection: collection || undefined,
+    labels: labels.length > 0 ? labels : undefined,
+    rerank: given.rerank === true || undefined,
+    round: typeof given.round === "number" && given.round > 0 ? given.round : undefined,
   };
 }
