@@ -16,7 +16,7 @@ from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.mesh_io import write_mesh
 from tests.e2e.dashboard.conftest import OpenPage
 from tests.e2e.dashboard.left_behind import check_nothing_is_left
-from tests.e2e.dashboard.test_accessibility import AXE, overflow, serious
+from tests.e2e.dashboard.test_accessibility import AXE, check_open_to_everyone, overflow, serious
 from tests.support.browser import eventually, keep_picture, picture, until
 from tests.unit.retrieval.conftest import cylinder, egg, torus
 
@@ -198,6 +198,7 @@ def test_a_shape_is_shown_with_its_parts_and_its_graph(
     page.get_by_role("button", name="Save", exact=True).click()
     page.get_by_role("heading", name="a ring").wait_for()
     page.get_by_text("2024").wait_for()
+    check_open_to_everyone(page)
     detail = api.get(f"/v1/shapes/{bank['torus']}").json()
     assert (detail["name"], detail["metadata"], detail["labels"]) == ("a ring", {"year": 2024}, {"family": "torus"})
     api.patch(f"/v1/shapes/{bank['torus']}", json={"name": "torus", "metadata": {}})
@@ -235,8 +236,16 @@ def test_what_is_like_a_shape_is_shown_beside_it(open_page: OpenPage, bank: dict
     page.get_by_role("link", name="Go on with shapes like torus turned").click()
     page.get_by_role("heading", name="Like torus turned").wait_for()
     until(lambda: hits(page)[0] == "torus", "the torus is like the torus")
+    check_open_to_everyone(page)
     page.get_by_role("button", name="This search, as code").click()
     assert f'"shape_id":"{bank["torus turned"]}"' in page.get_by_test_id("code-curl").text_content()
+
+
+def test_says_that_nothing_was_found(open_page: OpenPage, bank: dict[str, str]) -> None:
+    page = open_page(f"/shapes/search?shape={bank['egg']}&labels=family:none")
+    page.get_by_role("heading", name="Nothing was found").wait_for()
+    page.get_by_text("No other shape is in this collection and carries these labels.").wait_for()
+    check_open_to_everyone(page)
 
 
 def test_a_file_is_searched_with(open_page: OpenPage, bank: dict[str, str], tmp_path: Path, api: httpx.Client) -> None:

@@ -259,6 +259,7 @@ def test_a_mesh_of_many_faces_is_seen_coarser(open_page: OpenPage, tmp_path: Pat
     told = viewer.get_by_text("drawn coarser than it is")
     drawn, whole = (int(re.sub(r"\D", "", number)) for number in told.inner_text().split(":")[1].split(" of "))
     assert whole == 327_680
+    check_open_to_everyone(page)
     assert 50_000 < drawn <= 200_000
     told.evaluate("(element) => { element.style.visibility = 'hidden'; }")  # it lies over the picture
 

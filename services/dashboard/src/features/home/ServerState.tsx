@@ -36,6 +36,9 @@ export function ServerState() {
       </Text>
       <div className={classes.parts}>
         <div>
+          <Title order={3} mb={4}>
+            Parts
+          </Title>
           <ul className={classes.states}>
             {silent ? (
               <State is="bad" name="Server">
