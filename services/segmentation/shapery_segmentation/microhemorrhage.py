@@ -16,6 +16,7 @@ from shapery_segmentation.objects import spread
 from shapery_segmentation.vessels import _border_kernels as kernels
 from shapery_segmentation.vessels.border import find_border, within
 from shapery_segmentation.vessels.evidence import BLOCK, gather_evidence
+from shapery_segmentation.vessels.outside import measured
 
 BoolArray = NDArray[np.bool_]
 
@@ -127,7 +128,7 @@ def find_microhemorrhages(
         raise InvalidInput("invalid_params", "Bleedings are looked for around vessels and tumors, and there are none.")
     check = check_cancelled if check_cancelled is not None else _nothing
     canonical, order = volume.canonical()
-    values = np.ascontiguousarray(canonical.filled().data, dtype=np.float32)
+    values, outside = measured(canonical)
     grid = Volume(values, canonical.affine)
     objects = np.ascontiguousarray(order.apply_array(np.logical_or.reduce(given)))
     vessel = np.zeros(grid.shape, dtype=np.bool_)
@@ -136,8 +137,11 @@ def find_microhemorrhages(
 
     around = within(objects, grid.spacing, reach) & ~objects
     blocked = within(vessel, (1.0, 1.0, 1.0), BESIDE)
+    if outside is not None:
+        around &= ~outside
+        blocked |= outside
     check()
-    evidence = gather_evidence(values, grid.spacing, polarity, around)
+    evidence = gather_evidence(values, grid.spacing, polarity, around, outside)
     excess = _excess(evidence.smoothed, evidence.background)
     contrast = float(np.median(excess[_middle(vessel)])) if vessel.any() else float(np.percentile(excess[around], 99.9))
     least = max(LEAST_SCATTER * evidence.scatter, LEAST_SHARE * contrast)

@@ -73,6 +73,7 @@ def gather_evidence(
     spacing: tuple[float, float, float],
     polarity: Literal["auto", "bright", "dark"] = "auto",
     where: BoolArray | None = None,
+    outside: BoolArray | None = None,
 ) -> Evidence:
     """Find out how vessels look in a volume, and where to start.
 
@@ -86,6 +87,8 @@ def gather_evidence(
         ``auto``: whichever of the two has the stronger tubes, see Notes.
     where : (I, J, K) bool
         Where seeds may lie; everywhere if it is not given.
+    outside : (I, J, K) bool
+        What was never measured, which says nothing about the noise.
 
     Notes
     -----
@@ -102,7 +105,7 @@ def gather_evidence(
         values, smoothed = -values, -smoothed
     response, places = bright if chosen == "bright" else dark
     seeds = _strongest(response, places, values.shape)
-    noise = _noise(values)
+    noise = _noise(values, outside)
 
     background = block_medians(smoothed, BLOCK)
     if not len(seeds):
@@ -115,6 +118,10 @@ def gather_evidence(
     if np.isfinite(level) and (background > level).any():
         background = _without_bright(background, level)
     rest = smoothed[1::3, 1::3, 1::3] - _spread_background(background, smoothed.shape)
+    if outside is not None:
+        rest = rest[~outside[1::3, 1::3, 1::3]]
+    if not rest.size:
+        return Evidence(chosen, values, smoothed, background, noise, 0.0, seeds[:0], 0.0)
     scatter = 1.4826 * float(np.median(np.abs(rest - np.median(rest))))
     return Evidence(chosen, values, smoothed, background, noise, scatter, seeds, contrast)
 
@@ -145,14 +152,18 @@ def _without_bright(background: FloatArray, level: float) -> FloatArray:
     return np.ascontiguousarray(background[tuple(nearest)])
 
 
-def _noise(values: FloatArray) -> float:
+def _noise(values: FloatArray, outside: BoolArray | None) -> float:
     """Return the standard deviation of noise, from differences of neighbours along each axis."""
     found = []
     for axis in range(3):
         thin = np.moveaxis(values, axis, 0)[:, ::2, ::2]
-        if len(thin) > 1:
-            pairs = len(thin) // 2
-            found.append(float(np.median(np.abs(thin[1 : 2 * pairs : 2] - thin[0 : 2 * pairs : 2]))))
+        pairs = len(thin) // 2
+        steps = np.abs(thin[1 : 2 * pairs : 2] - thin[0 : 2 * pairs : 2])
+        if outside is not None:
+            beyond = np.moveaxis(outside, axis, 0)[:, ::2, ::2]
+            steps = steps[~(beyond[1 : 2 * pairs : 2] | beyond[0 : 2 * pairs : 2])]
+        if steps.size:
+            found.append(float(np.median(steps)))
     return 1.4826 / np.sqrt(2.0) * min(found) if found else 0.0
 
 

@@ -17,6 +17,7 @@ from shapery_segmentation.vessels.border import Border, find_border, within
 from shapery_segmentation.vessels.centerline import Branch, find_centerlines
 from shapery_segmentation.vessels.evidence import Evidence, gather_evidence
 from shapery_segmentation.vessels.fit import half_covered
+from shapery_segmentation.vessels.outside import measured
 from shapery_segmentation.vessels.tracking import edge_length, relative_box, track_tree
 
 FloatArray = NDArray[np.float64]
@@ -26,7 +27,7 @@ REACH = 12.0
 """mm around a tumor within which vessels are seeded; once found they are followed as far as they go."""
 
 LARGEST_SHARE, LARGEST_COUNT = 0.25, 20_000_000
-"""Share of the volume, and voxels, that vessels may fill; more has leaked."""
+"""Share of what was measured of the volume, and voxels, that vessels may fill; more has leaked."""
 
 LEAST_VOXELS = 30
 """Voxels below which a tree is not looked at."""
@@ -155,7 +156,7 @@ def segment_vessels(
     InvalidInput
         ``invalid_volume`` where all voxels are alike or not finite, ``grid_mismatch`` where `around` has another shape,
         ``invalid_params`` for seeds outside the volume, ``no_object_found`` where none of the seeds given lies in a
-        vessel.
+        vessel, or what they lie in is no vessel but a large part of the volume.
 
     Notes
     -----
@@ -172,15 +173,20 @@ def segment_vessels(
             "grid_mismatch", f"The region has the shape {around.shape}, the volume with the vessels {volume.shape}."
         )
     canonical, order = volume.canonical()
-    values = np.ascontiguousarray(canonical.filled().data, dtype=np.float32)
+    values, outside = measured(canonical)
     if float(values.max()) <= float(values.min()):
         raise InvalidInput("invalid_volume", "All voxels of the volume with the vessels have the same value.")
     grid = Volume(values, canonical.affine)
     region = None if around is None else np.ascontiguousarray(order.apply_array(around))
     where = None if region is None else _near(region, grid)
+    if outside is not None:
+        where = ~outside if where is None else where & ~outside
+        blocked = outside if region is None else outside | region
+    else:
+        blocked = region
     check()
 
-    evidence = gather_evidence(values, grid.spacing, polarity, where)
+    evidence = gather_evidence(values, grid.spacing, polarity, where, outside)
     check()
     start = evidence.seeds if where is None or seeds else evidence.seeds[where[tuple(evidence.seeds.T)]]
     if region is not None and len(start):
@@ -192,11 +198,19 @@ def segment_vessels(
         warnings.append("No vessels were found; check the polarity, or give a seed in one.")
         return Vessels(np.zeros(volume.shape, dtype=np.bool_), (), evidence.polarity, tuple(warnings))
 
-    most = min(LARGEST_COUNT, int(LARGEST_SHARE * values.size))
-    border = find_border(evidence, start, most=most, blocked=region)
+    there = values.size if outside is None else int(np.count_nonzero(~outside))
+    most = min(LARGEST_COUNT, int(LARGEST_SHARE * there))
+    border = find_border(evidence, start, most=most, blocked=blocked)
     check()
     if len(border.voxels) >= most:
-        warnings.append("What was taken for vessels fills a large part of the volume: it has leaked into other tissue.")
+        leaked = f"What was taken for {evidence.polarity} vessels has leaked into other tissue: it fills more than "
+        leaked += f"{100.0 * most / there:.0f} % of what was measured."
+        if seeds:
+            raise InvalidInput(
+                "no_object_found", leaked, "Place seeds in the middle of vessels, and check the polarity."
+            )
+        warnings.append(f"{leaked} No vessels are shown; check the polarity, or give a seed in one.")
+        return Vessels(np.zeros(volume.shape, dtype=np.bool_), (), evidence.polarity, tuple(warnings))
     trees, mask = _trees(evidence, border, grid, max_trees, seeds is not None and len(seeds) > 0, check)
     if not trees:
         if seeds:
@@ -238,6 +252,7 @@ def _trees(
             continue
         radii = np.concatenate([branch.radii for branch in rough])
         wall = 2.0 * np.pi * float(radii.mean()) * sum(branch.length for branch in rough)
+        wall = max(wall, _wall(part, grid))
         edge = edge_length(grid, float(np.percentile(radii, 10)), wall)
         tracked = track_tree(
             np.argwhere(part) + corner + field.low, field, edge, evidence, border, grid, check_cancelled=check
@@ -249,6 +264,16 @@ def _trees(
         if branches:
             trees.append(VesselTree(tracked.surface, branches, float(tracked.surface.volume), tracked.model))
     return trees, mask
+
+
+def _wall(part: BoolArray, grid: Volume) -> float:
+    """Return about how many mm² of wall a region has: of a slanted one, voxels show half as much again."""
+    area = 0.0
+    for axis in range(3):
+        across = np.abs(np.cross(grid.affine[:3, (axis + 1) % 3], grid.affine[:3, (axis + 2) % 3]))
+        steps = np.moveaxis(part, axis, 0)
+        area += float(np.linalg.norm(across)) * np.count_nonzero(steps[1:] != steps[:-1])
+    return area / 1.5
 
 
 def _is_vessel(branches: tuple[Branch, ...], grid: Volume, voxels: int) -> bool:
