@@ -141,3 +141,19 @@ def test_contrasts_tell_where_there_is_a_border() -> None:
 def test_parameters_out_of_range_are_refused(name: str, value: float) -> None:
     with pytest.raises(ValueError, match=name):
         replace(NormalFlowParams(), **{name: value})
+
+
+def test_a_part_that_nothing_holds_stays_where_it_is() -> None:
+    ball = icosphere(radius=5.0, subdivisions=2)
+    other = ball.vertices + 20.0
+    n = len(ball.vertices)
+    points = np.concatenate((ball.vertices, other))
+    faces = np.concatenate((ball.faces, ball.faces + n)).astype(np.int32)
+    trusted = np.arange(2 * n) < n
+    trusted[:9] = False
+    moved = points.copy()
+    moved[:9] *= 1.3
+    out = interpolated(moved, faces, trusted, np.ones(2 * n))
+    assert (out[n:] == other).all()
+    assert np.abs(np.linalg.norm(out[:9], axis=1) - 5.0).max() < 0.5
+    assert (interpolated(moved, faces, np.zeros(2 * n, dtype=np.bool_), np.ones(2 * n)) == moved).all()

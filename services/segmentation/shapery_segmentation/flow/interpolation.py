@@ -108,7 +108,7 @@ def interpolated(points: FloatArray, faces: NDArray[np.int32], trusted: BoolArra
 
     Returns
     -------
-    (n, 3) float64; trusted vertices are returned as they are.
+    (n, 3) float64; trusted vertices are returned as they are, and parts of the mesh that hold none.
 
     Notes
     -----
@@ -117,16 +117,19 @@ def interpolated(points: FloatArray, faces: NDArray[np.int32], trusted: BoolArra
     flow has put them where its speed vanishes.
     """
     from scipy import sparse
+    from scipy.sparse.csgraph import connected_components
     from scipy.sparse.linalg import splu
 
     out = points.copy()
-    if trusted.all() or not trusted.any():
-        return out
     n = len(points)
     # In a closed, oriented mesh every edge is met once in either direction.
     start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     adjacency = sparse.csr_matrix((np.ones(len(start)), (start, end)), shape=(n, n))
-    part = ~trusted
+    _, piece = connected_components(adjacency, directed=False)
+    loose = ~trusted & np.isin(piece, piece[trusted])
+    if not loose.any():
+        return out
+    part = loose
     rows = part
     for ring in range(RINGS):
         part = part | (adjacency @ part.astype(np.float64) > 0)
@@ -137,6 +140,5 @@ def interpolated(points: FloatArray, faces: NDArray[np.int32], trusted: BoolArra
     squared = np.where(trusted, np.maximum(weight, LEAST_WEIGHT) ** 2, 0.0)[part]
     system = (a.T @ a + sparse.diags(squared)).tocsc()
     solution = splu(system, permc_spec="MMD_AT_PLUS_A").solve(squared[:, None] * points[part])
-    moved = ~trusted[part]
-    out[~trusted] = solution[moved]
+    out[loose] = solution[loose[part]]
     return out
