@@ -94,13 +94,25 @@ def faces_touch(m, f, g):
 
 
 @inlined
-def beyond_plane(points, n, o, a, b, c, gap):
+def _beyond_plane(points, n, o, a, b, c, gap):
     """Return whether vertices a, b and c lie on one side of the plane with normal `n` through vertex `o`."""
     level = n[0] * points[o, 0] + n[1] * points[o, 1] + n[2] * points[o, 2]
     s = n[0] * points[a, 0] + n[1] * points[a, 1] + n[2] * points[a, 2] - level
     t = n[0] * points[b, 0] + n[1] * points[b, 1] + n[2] * points[b, 2] - level
     u = n[0] * points[c, 0] + n[1] * points[c, 1] + n[2] * points[c, 2] - level
     return (s > gap and t > gap and u > gap) or (s < -gap and t < -gap and u < -gap)
+
+
+@inlined
+def touch_apart(m, f, g, own, gap):
+    """Return whether two faces that share no vertex touch; false where they share one. `own` is the normal of `f`."""
+    i0, i1, i2 = corners(m, f)
+    j0, j1, j2 = corners(m, g)
+    if i0 in (j0, j1, j2) or i1 in (j0, j1, j2) or i2 in (j0, j1, j2):
+        return False
+    if _beyond_plane(m.points, own, i0, j0, j1, j2, gap):
+        return False
+    return not _beyond_plane(m.points, normal(m, g), j0, i0, i1, i2, gap) and faces_touch(m, f, g)
 
 
 @inner
@@ -114,17 +126,11 @@ def contact(m, cells, f, slack, batch, limit, found):
     own = normal(m, f)
     gap = m.bound[CLEARANCE]
     n = gather(m.layout, m.bound, cells, c, m.facets[f, RADIUS] + slack + gap, 1.0, own, limit, found)
-    i0, i1, i2 = corners(m, f)
     for i in range(n):
         g = np.int64(found[i])
         if g == f or (batch > 0 and g < f and m.links[g, STAMP] == batch):
             continue
-        j0, j1, j2 = corners(m, g)
-        if i0 in (j0, j1, j2) or i1 in (j0, j1, j2) or i2 in (j0, j1, j2):
-            continue
-        if beyond_plane(m.points, own, i0, j0, j1, j2, gap):
-            continue
-        if not beyond_plane(m.points, normal(m, g), j0, i0, i1, i2, gap) and faces_touch(m, f, g):
+        if touch_apart(m, f, g, own, gap):
             return g
     return np.int64(-1)
 

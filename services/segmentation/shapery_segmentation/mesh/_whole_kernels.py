@@ -8,8 +8,8 @@ What only `_motion_kernels.verify` moved need not be asked, unless it was told t
 import numpy as np
 
 from shapery_segmentation.mesh._cells_kernels import ANY, gather
-from shapery_segmentation.mesh._grid_kernels import SINGLE, corners, measure_face, normal
-from shapery_segmentation.mesh._motion_kernels import beyond_plane, contact, faces_touch, is_graph
+from shapery_segmentation.mesh._grid_kernels import SINGLE, measure_face, normal
+from shapery_segmentation.mesh._motion_kernels import contact, faces_touch, is_graph, touch_apart
 from shapery_segmentation.mesh._operation_kernels import following, origin, preceding, twin
 from shapery_segmentation.mesh.arrays import (
     CLEARANCE,
@@ -42,7 +42,6 @@ def _later_contacts(m, cells, at, gap, concerned):
     """Count the faces at later places of `cells` that the one at place `at` touches and shares no vertex with."""
     start, records, names = cells.start, cells.records, cells.names
     f = np.int64(names[at])
-    i0, i1, i2 = corners(m, f)
     own = normal(m, f)
     px, py, pz, radius = records[at, 0], records[at, 1], records[at, 2], records[at, RADIUS] + np.float32(gap)
     inverse = m.bound[INVERSE_CELL]
@@ -79,12 +78,7 @@ def _later_contacts(m, cells, at, gap, concerned):
                     if (dx * dx + dy * dy + dz * dz > near * near) | (height > records[i, RADIUS] + off):
                         continue
                     g = np.int64(names[i])
-                    j0, j1, j2 = corners(m, g)
-                    if i0 in (j0, j1, j2) or i1 in (j0, j1, j2) or i2 in (j0, j1, j2):
-                        continue
-                    if beyond_plane(m.points, own, i0, j0, j1, j2, gap):
-                        continue
-                    if not beyond_plane(m.points, normal(m, g), j0, i0, i1, i2, gap) and faces_touch(m, f, g):
+                    if touch_apart(m, f, g, own, gap):
                         _note(m, f, g, concerned)
                         count += 1
     return count
