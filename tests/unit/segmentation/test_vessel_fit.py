@@ -2,20 +2,35 @@
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 import pytest
-from scipy import ndimage
+from scipy import ndimage, sparse
 
+from shapery_geometry.intersections import self_intersections
 from shapery_geometry.mask_metrics import intersection_over_union
 from shapery_geometry.mesh import TriangleMesh, icosphere
 from shapery_geometry.rasterize import rasterize
 from shapery_geometry.volume import Volume
 from shapery_segmentation.phantoms import tube_phantom
+from shapery_segmentation.seeding.ball import surface_of
 from shapery_segmentation.vessels import _coverage_kernels as kernels
 from shapery_segmentation.vessels import segment_vessels
-from shapery_segmentation.vessels.fit import _bells, half_covered
+from shapery_segmentation.vessels.fit import _bells, _cotangents, _laplacian, _nearly, _nearly_inverse, half_covered
 
 SAMPLES = 8
+
+
+def sponge(size: int, share: float) -> np.ndarray:
+    """Return the largest piece of where correlated noise is high."""
+    noise = ndimage.gaussian_filter(np.random.default_rng(0).standard_normal((size,) * 3), 1.5)
+    labels, _ = ndimage.label(noise > np.quantile(noise, 1.0 - share))
+    return np.asarray(labels == 1 + np.argmax(np.bincount(labels.ravel())[1:]))
+
+
+def genus(surface: TriangleMesh) -> int:
+    return 1 - (len(surface.vertices) - len(surface.faces) // 2) // 2
 
 
 def half_of_a_ball(center: np.ndarray, radius: float, grid: Volume) -> np.ndarray:
@@ -120,3 +135,43 @@ def test_a_blurred_voxel_shows_what_a_filter_shows() -> None:
     seen = ndimage.gaussian_filter(sharp.astype(np.float64), 0.7, mode="constant", radius=3)
     np.testing.assert_allclose(out[:, 0], sharp[tuple(places.T)], atol=1e-6)
     np.testing.assert_allclose(out[:, 1], seen[tuple(places.T)], atol=1e-4)
+
+
+def test_what_preconditions_a_round_is_nearly_its_inverse() -> None:
+    ball = icosphere((0.0, 0.0, 0.0), 4.0, 3)
+    weights, area = _cotangents(ball.vertices, ball.faces)
+    matrix = (sparse.diags_array(2.0 * area) + _laplacian(weights)).tocsr()
+    solve = _nearly_inverse(matrix)
+    inverse = np.stack([solve(unit) for unit in np.eye(len(area))])
+    # Symmetric and positive, or conjugate gradients would go astray.
+    np.testing.assert_allclose(inverse, inverse.T, atol=1e-12)
+    share = np.linalg.eigvals(inverse @ matrix.toarray()).real
+    # Chebyshev's bound for eigenvalues from .03 to 2 is .08.
+    assert share.min() > 0.91
+    assert share.max() < 1.09
+
+
+def test_a_sponge_takes_the_memory_of_its_surface() -> None:
+    surface = surface_of(sponge(44, 0.35), np.eye(4))
+    count = len(surface.vertices)
+    assert genus(surface) > 100
+    weights, area = _cotangents(surface.vertices, surface.faces)
+    told, stiff = 100.0 * area, np.full(count, 40.0)
+    before = time.process_time()
+    nearly = _nearly(weights, area, stiff, told)
+    rng = np.random.default_rng(1)
+    for _ in range(10):
+        nearly.matvec(rng.normal(size=count))
+    # Factors of this take minutes.
+    assert time.process_time() - before < 10.0
+
+
+@pytest.mark.slow
+def test_a_sponge_that_is_taken_for_vessels_has_a_surface() -> None:
+    rng = np.random.default_rng(2)
+    inside = sponge(40, 0.24)
+    values = 50.0 + 100.0 * ndimage.gaussian_filter(inside.astype(np.float32), 0.5) + rng.normal(0.0, 5.0, inside.shape)
+    found = segment_vessels(Volume(values.astype(np.float32), np.eye(4)), polarity="bright")
+    assert intersection_over_union(found.mask, inside) > 0.65
+    assert genus(found.trees[0].surface) >= 3
+    assert len(self_intersections(found.trees[0].surface)) == 0
