@@ -39,7 +39,7 @@ from shapery_geometry.volume_io import read_volume
 from shapery_segmentation import segment
 from shapery_segmentation.brain import Brain, find_brain
 from shapery_segmentation.calibration import calibrate
-from shapery_segmentation.labels import fill_enclosed
+from shapery_segmentation.labels import fill_enclosed, fill_indentations
 
 INPUTS = {
     "plain": "the plain calibrated difference, a ball as seed",
@@ -150,6 +150,7 @@ def measure(
         for key, row in rows.items():
             mask = found[key]
             core = fill_enclosed(mask, grid.spacing) | mask
+            core |= fill_indentations(core, grid.spacing)
             row["enhancing"] = agreement(
                 grid.to_source(mask), np.isin(reference, prepared.case.enhancing), prepared.post
             )

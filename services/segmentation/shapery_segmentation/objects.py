@@ -19,7 +19,7 @@ from shapery_segmentation.calibration import Calibration
 from shapery_segmentation.evolution import Frame, Recorder, Scene
 from shapery_segmentation.flow.normal import FlowState, NormalFlowParams, normal_flow
 from shapery_segmentation.gate import LEVEL_RANGE, Region, contrast, reach
-from shapery_segmentation.labels import close_seam, enhancing_part, fill_enclosed
+from shapery_segmentation.labels import close_seam, enhancing_part, fill_enclosed, fill_indentations
 from shapery_segmentation.seeding.ball import seed_ball, surface_of
 from shapery_segmentation.seeding.candidates import LEAST_WEIGHT, Candidate
 from shapery_segmentation.shrinking import shrinking_note
@@ -335,7 +335,9 @@ def _voxels(
     inside = rasterize(surface, Volume(start.field, start.affine))
     enhancing = start.field > threshold
     whole = close_seam(inside, enhancing & region.allowed, grid.spacing)
-    core = (fill_enclosed(whole, grid.spacing) & brain.mask[region.box]) | whole
+    tissue = brain.mask[region.box]
+    core = (fill_enclosed(whole, grid.spacing) & tissue) | whole
+    core |= fill_indentations(core, grid.spacing) & tissue
     bright = enhancing_part(whole, core & ~whole, enhancing)
 
     def given(mask: BoolArray) -> BoolArray:

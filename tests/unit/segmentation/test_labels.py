@@ -5,7 +5,14 @@ from __future__ import annotations
 import numpy as np
 from scipy import ndimage
 
-from shapery_segmentation.labels import DIRECTIONS, ENCLOSED_FROM, close_seam, enhancing_part, fill_enclosed
+from shapery_segmentation.labels import (
+    DIRECTIONS,
+    ENCLOSED_FROM,
+    close_seam,
+    enhancing_part,
+    fill_enclosed,
+    fill_indentations,
+)
 
 INDEX = np.stack(np.meshgrid(*(np.arange(41),) * 3, indexing="ij"), axis=-1)
 RADIUS = np.linalg.norm(INDEX - 20, axis=-1)
@@ -49,6 +56,23 @@ def test_ray_counts_equal_looking_along_each_ray() -> None:
                     count += 1
                     break
         assert found[i, j, k] == (count >= ENCLOSED_FROM or holes[i, j, k])
+
+
+def test_clefts_of_a_core_are_filled_and_what_is_convex_stays() -> None:
+    ball = RADIUS <= 12
+    assert not fill_indentations(ball, 1.0).any()
+    assert not fill_indentations(np.zeros_like(ball), 1.0).any()
+    narrow, wide = np.zeros_like(ball), np.zeros_like(ball)
+    narrow[20, 20:, :] = True
+    wide[17:24, 20:, :] = True
+    filled = fill_indentations(ball & ~narrow, 1.0)
+    assert not (filled & ~(ball & narrow)).any()
+    assert filled[RADIUS <= 9][narrow[RADIUS <= 9]].all()
+    assert not fill_indentations(ball & ~wide, 1.0)[20, 26, 20]
+    # The same cleft in voxels of 3 mm is wider than what is filled.
+    assert not fill_indentations(ball & ~wide, 3.0)[20, 26, 20]
+    # A core that fills its array has no indentation.
+    assert not fill_indentations(np.ones((4, 5, 6), dtype=np.bool_), 1.0).any()
 
 
 def test_a_seam_is_closed_where_it_enhances() -> None:
