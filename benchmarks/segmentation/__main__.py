@@ -29,6 +29,8 @@ def main() -> None:
     parser.add_argument("--part", nargs="*", choices=page.PARTS, default=list(page.PARTS), help="what to measure")
     parser.add_argument("--only", nargs="*", default=[], help="parts of the names of the cases to measure")
     parser.add_argument("--peer", nargs="*", choices=list(PEERS), default=list(PEERS), help="peers to measure")
+    parser.add_argument("--input", nargs="*", choices=list(beside.INPUTS), default=list(beside.INPUTS),
+                        help="what the peers are given")  # fmt: skip
     parser.add_argument("--beside", nargs="*", default=[], help="parts of the names of the cases to run peers on")
     parser.add_argument("--cache", type=Path, default=Path(tempfile.gettempdir()) / "shapery-bench-segmentation")
     parser.add_argument("--time-limit", type=float, default=180.0, help="seconds for one setting of one peer")
@@ -87,7 +89,7 @@ def _measured(part: str, given: argparse.Namespace, real: Sequence[Case], cache:
     return {
         "peers": given.peer,
         "ours": [row for row in found if row["name"] in names],
-        "rows": _peers(beside_ours, given.peer, cache, given.time_limit),
+        "rows": _peers(beside_ours, given.peer, given.input, cache, given.time_limit),
     }
 
 
@@ -106,11 +108,13 @@ def _ours(case: Case, process: ours.Ours, cache: Cache, key: str) -> dict[str, A
     return row
 
 
-def _peers(cases: Sequence[Case], peers: Sequence[str], cache: Cache, time_limit: float) -> dict[str, Any]:
-    rows: dict[str, Any] = {given: {peer: {} for peer in peers} for given in beside.INPUTS}
+def _peers(
+    cases: Sequence[Case], peers: Sequence[str], inputs: Sequence[str], cache: Cache, time_limit: float
+) -> dict[str, Any]:
+    rows: dict[str, Any] = {given: {peer: {} for peer in peers} for given in inputs}
     for case in cases:
         prepared = beside.prepare(case)
-        for given in beside.INPUTS:
+        for given in inputs:
             for peer, measured in beside.measure(prepared, given, peers, cache, time_limit).items():
                 rows[given][peer][case.name] = measured
                 best = max(row["enhancing"]["iou"] or 0.0 for row in measured)

@@ -1,9 +1,11 @@
-"""The peers on the same cases, from the same seeds, on three inputs.
+"""The peers on the same cases, from the same seeds, on four inputs.
 
+``whole``
+    The calibrated difference Z = (post − (a·pre + b)) / MAD of the whole brain, as one would make it without us, and a
+    ball of 3 mm around the point that our automatic search starts from: what a user's click would be.
 ``plain``
-    The calibrated difference Z = (post − (a·pre + b)) / MAD, as one would make it without us, and a ball of 3 mm around
-    the point that our automatic search starts from: what a user's click would be. Not over the whole brain but in the
-    box of our flow and 16 voxels around it, which spares the peers time and farther leaks.
+    The same, not over the whole brain but in the box of our flow and 16 voxels around it, which spares the peers time
+    and farther leaks.
 ``plain from our seed``
     The same, from our flow's own seed surface, which has passed the gate and is near the border already.
 ``ours``
@@ -42,8 +44,9 @@ from shapery_segmentation.calibration import calibrate
 from shapery_segmentation.labels import fill_enclosed, fill_indentations
 
 INPUTS = {
-    "plain": "the plain calibrated difference, a ball as seed",
-    "plain from our seed": "the plain calibrated difference, our seed surface",
+    "whole": "the plain calibrated difference of the whole brain, a ball as seed",
+    "plain": "the plain calibrated difference around the object, a ball as seed",
+    "plain from our seed": "the plain calibrated difference around the object, our seed surface",
     "ours": "our input, leak gate and seed surface",
 }
 
@@ -115,6 +118,7 @@ def prepare(case: Case) -> Prepared:
         # An object's seed lies in the box of its flow; flows that led to no object have none.
         box = max(boxes, key=lambda b, ball=ball: np.count_nonzero(ball[b]))
         starts["plain"].append(Start(box, plain[box], ball[box], brain.mask[box]))
+        starts["whole"].append(Start(whole, plain, ball, brain.mask))
     return Prepared(case, brain, post, starts, sum(flow.cpu_seconds for flow in flows))
 
 

@@ -27,7 +27,7 @@ def merged(before: Results, now: Results) -> Results:
     """Return earlier results with the parts that were measured again replaced.
 
     Peers are kept run by run, because only times of one run can be compared: a run takes the place of those before it
-    whose peers and cases it has all measured, too.
+    whose peers, inputs and cases it has all measured, too.
     """
     both = before | now
     if "peers" in now:
@@ -35,7 +35,7 @@ def merged(before: Results, now: Results) -> Results:
         left = [
             run
             for run in before.get("peers", [])
-            if not (set(run["peers"]) <= set(new["peers"]) and set(_names(run)) <= set(_names(new)))
+            if not all(set(of(run)) <= set(of(new)) for of in (lambda r: r["peers"], lambda r: r["rows"], _names))
         ]
         both["peers"] = [new, *left]
     both["measured"] = before.get("measured", {}) | now["measured"]
@@ -88,8 +88,8 @@ def document(results: Results) -> str:
             "Every peer runs from the same seeds with a grid of settings; shown is the setting that is best on these",
             "very cases, which favours it, and beside it what is left when each case's setting is chosen on the",
             "others. CPU seconds are of the method alone, mean over cases; ours is that of the flow in the same run.",
-            "Peers work in the box of our flow, with 16 voxels around it on the plain difference: this spares them",
-            "time and leaks.",
+            "On the whole brain a peer runs as without us. In the other tables it works in the box of our flow, with",
+            "16 voxels around it on the plain difference: this spares it time and leaks.",
         ]
         for run in results["peers"]:
             text += _beside(run)

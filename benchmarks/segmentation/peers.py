@@ -169,7 +169,9 @@ PEERS: dict[str, tuple[str, Callable[..., Any], list[Setting]]] = {
     "threshold_level_set": (
         "ITK ThresholdSegmentationLevelSet",
         threshold_level_set,
-        _grid(lower=(1.5, 2.0, 2.5, 3.0), curvature=(0.3, 1.0), rms=(0.01,), iterations=(600,)),
+        # Stopped early, and let to come to rest: the latter is often the better one, and slower.
+        _grid(lower=(1.5, 2.0, 2.5), curvature=(0.3, 1.0), rms=(0.01,), iterations=(600,))
+        + _grid(lower=(1.5, 2.0, 2.5), curvature=(0.3, 1.0), rms=(0.002,), iterations=(1500,)),
     ),
     "geodesic_active_contour": (
         "ITK GeodesicActiveContour",

@@ -133,13 +133,13 @@ def peers_table(
     for given, title in ((given, title) for given, title in INPUTS.items() if given in peers):
         lines += ["", f"**Peers on {title}**", ""]
         body = [row("Shapery (default)", mine.__getitem__, None, 0)]
-        for peer, (label, _, settings) in PEERS.items():
+        for peer, (label, _, _) in PEERS.items():
             if peer not in peers[given]:
                 continue
             by_case = peers[given][peer]
             number = best_setting(by_case, names)
             late = sum(by_case[name][number]["late"] for name in names)
-            setting = ", ".join(f"{k} {v:g}" for k, v in settings[number].items())
+            setting = ", ".join(f"{k} {v:g}" for k, v in by_case[names[0]][number]["setting"].items())
             chosen = {name: by_case[name][number] for name in names}
             with_time = {name: r | {"method_seconds": r["cpu_seconds"]} for name, r in chosen.items()}
             body.append(row(f"{label}: {setting}", with_time.__getitem__, held_out(by_case, names), late))
