@@ -181,6 +181,12 @@ def test_pages_and_filters(open_page: OpenPage, api: httpx.Client) -> None:
     page.get_by_text("No job is like that").wait_for()
     page.get_by_role("searchbox", name="Text in the name").fill("")
     row_of(page, listed[0]).wait_for()
+    page.get_by_role("searchbox", name="Text in the name").press("n")
+    page.wait_for_url("**/jobs?name=n")
+    page.keyboard.type("o")  # whoever writes on is still in the field
+    page.wait_for_url("**/jobs?name=no")
+    page.get_by_role("searchbox", name="Text in the name").fill("")
+    page.wait_for_url("**/jobs")
     page.get_by_role("combobox", name="Show jobs of one kind").click()
     page.get_by_role("option", name="Compression", exact=True).click()
     page.wait_for_url("**/jobs?kind=motion-encode")
@@ -208,3 +214,19 @@ def test_says_when_the_server_does_not_answer(open_page: OpenPage, platform: Emb
         page.get_by_text("The server does not answer. What is shown").wait_for(state="detached")
         later = probe()
         row_of(page, later).wait_for()
+
+
+def test_what_was_never_loaded_waits_for_the_server(open_page: OpenPage) -> None:
+    """Above the page stands once why."""
+
+    def silence(page: Any) -> None:
+        page.watch.allowed.append("net::ERR")
+        page.route("**/v1/**", lambda route: route.abort())
+
+    page = open_page("/batches", before=silence, color_scheme="dark")
+    page.get_by_text("Waiting for the server…").wait_for()
+    assert page.get_by_text("does not answer").count() == 1
+    check_open_to_everyone(page)
+    page.unroute("**/v1/**")
+    page.get_by_text("Waiting for the server…").wait_for(state="detached")
+    page.get_by_text("does not answer").wait_for(state="detached")

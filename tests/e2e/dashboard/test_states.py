@@ -85,10 +85,19 @@ def test_pages_without_anything_on_them_say_what_to_do(open_page: OpenPage, guar
     page.get_by_role("textbox", name="API key").fill(secret)
     page.keyboard.press("Enter")
     page.get_by_role("heading", name="No jobs yet").wait_for()
+    name = page.get_by_role("searchbox", name="Text in the name")
+    assert name.count() == 0  # nor is there anything to filter
     for path, says in EMPTY.items():
         page.goto(f"{url}{path}")
         page.get_by_text(says).first.wait_for()
+        assert name.count() == 0
         check_open_to_everyone(page)
+    for path, says in {"/jobs": "No job is like that", "/shapes": "No shape is like that"}.items():
+        page.goto(f"{url}{path}?name=knee")  # a filter that is set can be taken away
+        page.get_by_role("heading", name=says).wait_for()
+        name.press("Control+a")
+        page.keyboard.press("Delete")
+        name.wait_for(state="detached")
 
 
 def test_a_key_goes_with_uploads_and_downloads(open_page: OpenPage, guarded: tuple[str, str], tmp_path: Path) -> None:

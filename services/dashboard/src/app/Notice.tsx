@@ -1,13 +1,17 @@
 import { Alert, Button, Center, Group, Loader, Stack, Text, Title } from "@mantine/core";
 import { CircleAlert, RotateCw, WifiOff } from "lucide-react";
 import type { ReactNode } from "react";
+import { connection } from "@/api/connection";
 import { describe, Unreachable } from "@/api/problem";
+import { useStore } from "./store";
 
 /** Something did not work: what, why, and what to do about it. */
 export function Failure({ error, onRetry }: { error: unknown; onRetry?: (() => void) | undefined }) {
   const { message, code, hint } = describe(error);
-  // That the server is silent stands above every page already; here it is only what cannot be shown as long as it is.
   const silent = error instanceof Unreachable;
+  const down = useStore(connection) === "down";
+  // That the server is silent stands above every page already, and all is asked for anew as soon as it answers.
+  if (silent && down && onRetry) return <Waiting label="Waiting for the server…" />;
   return (
     <Alert
       color={silent ? "gray" : "red"}

@@ -73,7 +73,7 @@ function Silence() {
   if (state === "up") return null;
   return (
     <Alert color="orange" variant="light" icon={<WifiOff size={18} />} className={classes.silence ?? ""} role="status">
-      The server does not answer. What is shown may be out of date; uploads go on as soon as it is back.
+      The server does not answer. What is shown may be out of date; pages and uploads go on as soon as it is back.
     </Alert>
   );
 }

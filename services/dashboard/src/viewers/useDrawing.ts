@@ -26,6 +26,14 @@ interface Opened<T> {
   retry: () => void;
 }
 
+/** Resolve when the page, as it is now, has been painted; soon also where nothing is, as in a hidden tab. */
+function painted(): Promise<unknown> {
+  return new Promise((resolve) => {
+    requestAnimationFrame(() => setTimeout(resolve));
+    setTimeout(resolve, 100);
+  });
+}
+
 /**
  * Opens a drawing, tells how far it is, and closes it: when its page goes, when it fails, and before the next try. `of`
  * says by identity what is drawn: with another one it is opened anew; null waits.
@@ -63,7 +71,12 @@ export function useDrawing<T>(of: unknown, what: string, open: (opening: Opening
         return it;
       },
     };
-    new Promise<T>((resolve) => resolve(begin(opening))).then((drawing) => {
+    // A browser may stand still while a drawing is made: what is waited for has to be seen before.
+    const opened = painted().then(() => {
+      signal.throwIfAborted();
+      return begin(opening);
+    });
+    opened.then((drawing) => {
       if (!signal.aborted) setState({ status: { is: "ready" }, drawing });
     }, fail);
     return () => end(null);

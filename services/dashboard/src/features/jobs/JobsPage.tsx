@@ -36,6 +36,8 @@ export function JobsPage() {
   const active = items.filter((job) => !isTerminal(job.state));
   const running = active.filter((job) => job.state !== "queued");
   useLiveJobs([...running, ...active.filter((job) => job.state === "queued")].slice(0, STREAMS).map((job) => job.id));
+  const filtered = [search.state, search.kind, search.name].some((value) => value !== undefined);
+  const some = items.length > 0 || search.cursor !== undefined || jobs.isPlaceholderData; // which may be there to filter
   const order = search.order ?? NEWEST_FIRST;
   const pages = pageNames(order);
   // Where the pages before this one began, for the way back; a page opened by its address knows only the first.
@@ -66,56 +68,51 @@ export function JobsPage() {
         </LinkButton>
       }
     >
-      <Group mb="md" gap="sm">
-        <SegmentedControl
-          visibleFrom="sm"
-          size="sm"
-          aria-label="Show jobs that are"
-          data={FILTERS.map((value) => ({
-            value,
-            label: value === "all" ? "All" : capital(value),
-          }))}
-          value={search.state ?? "all"}
-          onChange={filter}
-        />
-        <Select
-          hiddenFrom="sm"
-          aria-label="Show jobs that are"
-          data={FILTERS.map((value) => ({
-            value,
-            label: value === "all" ? "All states" : capital(value),
-          }))}
-          allowDeselect={false}
-          value={search.state ?? "all"}
-          onChange={(value) => filter(value ?? "all")}
-        />
-        <Select
-          aria-label="Show jobs of one kind"
-          placeholder="All kinds"
-          size="sm"
-          w={150}
-          clearable
-          data={(kinds.data ?? []).map(({ name }) => ({ value: name, label: workName(name) }))}
-          value={search.kind ?? null}
-          onChange={(value) => change({ kind: value ?? undefined })}
-        />
-        <Box flex="1 1 7rem" maw={240}>
-          <NameFilter
-            key={search.name === undefined ? "none" : "some"}
-            name={search.name}
-            onName={(name) => change({ name })}
+      {(filtered || some) && (
+        <Group mb="md" gap="sm">
+          <SegmentedControl
+            visibleFrom="sm"
+            size="sm"
+            aria-label="Show jobs that are"
+            data={FILTERS.map((value) => ({
+              value,
+              label: value === "all" ? "All" : capital(value),
+            }))}
+            value={search.state ?? "all"}
+            onChange={filter}
           />
-        </Box>
-      </Group>
+          <Select
+            hiddenFrom="sm"
+            aria-label="Show jobs that are"
+            data={FILTERS.map((value) => ({
+              value,
+              label: value === "all" ? "All states" : capital(value),
+            }))}
+            allowDeselect={false}
+            value={search.state ?? "all"}
+            onChange={(value) => filter(value ?? "all")}
+          />
+          <Select
+            aria-label="Show jobs of one kind"
+            placeholder="All kinds"
+            size="sm"
+            w={150}
+            clearable
+            data={(kinds.data ?? []).map(({ name }) => ({ value: name, label: workName(name) }))}
+            value={search.kind ?? null}
+            onChange={(value) => change({ kind: value ?? undefined })}
+          />
+          <Box flex="1 1 7rem" maw={240}>
+            <NameFilter name={search.name} onName={(name) => change({ name })} />
+          </Box>
+        </Group>
+      )}
       {jobs.isPending ? (
         <Waiting label="Loading the jobs…" />
       ) : jobs.isError && !jobs.data ? (
         <Failure error={jobs.error} onRetry={() => void jobs.refetch()} />
       ) : items.length === 0 ? (
-        <NoJobs
-          filtered={[search.state, search.kind, search.name].some((value) => value !== undefined)}
-          paged={search.cursor !== undefined}
-        />
+        <NoJobs filtered={filtered} paged={search.cursor !== undefined} />
       ) : (
         <JobTable
           jobs={items}

@@ -43,6 +43,7 @@ export function ShapesPage() {
   const all = collections.data ?? [];
   const here = filter.collection === undefined ? all : all.filter(({ name }) => name === filter.collection);
   const outdated = here.reduce((sum, one) => sum + one.outdated, 0);
+  const some = items.length > 0 || here.some(({ shapes }) => shapes > 0); // to filter
   const again = useReindex();
   const filtered = Boolean(filter.name ?? filter.labels?.length ?? filter.outdated);
   const { hasNextPage, isFetchingNextPage, fetchNextPage } = shapes;
@@ -109,11 +110,7 @@ export function ShapesPage() {
         <div style={{ minWidth: 0 }}>
           <Additions />
           <div className={classes.filters}>
-            <NameFilter
-              key={filter.name === undefined ? "none" : "some"}
-              name={filter.name}
-              onName={(name) => narrow({ name })}
-            />
+            {(filtered || some) && <NameFilter name={filter.name} onName={(name) => narrow({ name })} />}
             {((labels.data?.length ?? 0) > 0 || filter.labels) && (
               <MultiSelect
                 aria-label="Labels"

@@ -1,4 +1,5 @@
 import { Niivue, NVDocument } from "@niivue/niivue";
+import { linkLate } from "./linkLate";
 
 type Options = NonNullable<ConstructorParameters<typeof Niivue>[0]>;
 
@@ -34,8 +35,8 @@ const TINY = [2, 2, 2, 2];
 let kept: Viewer | null = null;
 
 /**
- * niivue on a canvas of its own. Each compiles some forty shaders, and a browser does not give back everything that a
- * context took: so one is kept and lent to one page after the other, its volumes freed in between.
+ * niivue on a canvas of its own. Each compiles shaders, and a browser does not give back everything that a context took:
+ * so one is kept and lent to one page after the other, its volumes freed in between.
  */
 export class Viewer extends Niivue {
   /** Around the canvas; it is this that is put into a page and taken out, as niivue gives up without its parent. */
@@ -143,6 +144,11 @@ export class Viewer extends Niivue {
     this.#waits = true;
     this.resizeListener();
     this.#waits = false;
+  }
+
+  override init(): Promise<this> {
+    linkLate(this.gl);
+    return super.init();
   }
 
   override drawScene(): ReturnType<Niivue["drawScene"]> {

@@ -89,15 +89,20 @@ export function VolumeViewer({
     drawing: canvas,
     retry,
   } = useDrawing(`${image.url} ${labels?.url}`, what, async ({ element, signal, tell, onLost, keep }) => {
-    const canvas = keep(new VolumeCanvas(element, setPlace, onLost));
-    canvas.canvas.dataset.testid = "volume";
+    const making = () =>
+      new Promise<VolumeCanvas>((resolve) => {
+        const canvas = keep(new VolumeCanvas(element, setPlace, onLost));
+        canvas.canvas.dataset.testid = "volume";
+        resolve(canvas);
+      });
     const load = async (file: VolumeFile, isLabels: boolean, onProgress: (fraction: number) => void) => ({
       name: file.name,
       ...(await loadVolume(file, mostVoxels(), isLabels, onProgress, signal)),
     });
-    const [source, overlay] = await Promise.all([
+    const [source, overlay, canvas] = await Promise.all([
       load(image, false, (fraction) => tell(what, fraction)),
       labels && load(labels, true, () => undefined),
+      making(), // the page stands still for it; the files are on their way meanwhile
     ]);
     tell("Drawing…", 1);
     const { range: whole, window, coarse: isCoarse } = await canvas.open(source, overlay, display);
