@@ -22,6 +22,8 @@ from shapery_platform.db.repositories import bank as repository
 
 DEFAULT_ROOM = 512 << 20
 """Bytes that are kept in memory, beyond those of the owner who searches."""
+_MOST_FILTERS = 64
+"""Of so many filters it is kept what they let through."""
 _MARGIN = 64
 """So many more than are wanted are measured again in 64 bits, so that rounding does not decide who is among them."""
 
@@ -132,13 +134,13 @@ class _Kept:
         """Of the kinds that were asked for."""
         self.graphs: OrderedDict[tuple[int, UUID], bytes] = OrderedDict()
         self.graph_bytes = 0
-        self.rows: dict[tuple[By, int, str], npt.NDArray[np.intp]] = {}
+        self.rows: OrderedDict[tuple[By, int, str], npt.NDArray[np.intp]] = OrderedDict()
         """Of filters asked for since the last change."""
 
     @property
     def size(self) -> int:
         tables = (table for vectors in self.vectors.values() for table in vectors.tables.values())
-        return self.graph_bytes + sum(table.size for table in tables)
+        return self.graph_bytes + sum(table.size for table in tables) + sum(rows.nbytes for rows in self.rows.values())
 
     def keep_graph(self, version: int, shape_id: UUID, graph: bytes, room: int) -> None:
         self.graphs[version, shape_id] = graph
@@ -244,11 +246,13 @@ class MemoryBank(_Bank):
             with self._database.session(readonly=True) as session:
                 ids = repository.ids(session, self._owner, asked.version, only.collection, only.labels)
             self._kept.rows[key] = table.rows(ids)
+            if len(self._kept.rows) > _MOST_FILTERS:
+                self._kept.rows.popitem(last=False)
         return self._kept.rows[key]
 
 
 class PostgresBank(_Bank):
-    """Asks PostgreSQL, whose index finds nearly all of the nearest shapes, in numbers of 16 bits."""
+    """Asks PostgreSQL, which finds nearly all of the nearest of many shapes by its index, in numbers of 16 bits."""
 
     def candidates(self, asked: Nearest) -> Sequence[Candidate]:
         """Return the nearest shapes."""

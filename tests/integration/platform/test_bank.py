@@ -229,6 +229,42 @@ def test_the_index_of_neighbours_is_used(database: Database) -> None:
         assert "ix_shapes_vector" in "\n".join(plan)
 
 
+@pytest.mark.slow
+def test_a_walk_that_gives_up_early_loses_nothing(database: Database, index: Index) -> None:
+    """However few shapes a filter lets through, and whatever PostgreSQL thinks how many, all of them are found."""
+    if database.dialect != "postgresql":
+        pytest.skip("SQLite has no index to walk")
+    far = (1 << 24) - 1
+    rare = {str(index(seed, collection="rare", labels={"kept": "yes"})): seed for seed in (far, far - 1)}
+    for seed in range(120):  # more than a walk sees at first
+        index(seed, collection="frequent")
+    hasty = Database(database.url.render_as_string(hide_password=False), pool_size=1)
+    with hasty.engine.connect() as connection:  # the pool's only one: what is set stays
+        for setting in ("enable_seqscan", "enable_sort", "enable_bitmapscan"):
+            connection.exec_driver_sql(f"SET {setting} = off")
+        connection.exec_driver_sql("SET hnsw.max_scan_tuples = 1")
+        connection.commit()
+    bank = Banks(hasty).of("ann")
+    for only in (ShapeFilter(collection="rare"), ShapeFilter(labels={"kept": "yes"})):
+        assert [shape_id for shape_id, _ in found(bank, 0, 2, only)] == [i for i, _ in expected(rare, 0)]
+    assert len(found(bank, 0, 50, ShapeFilter(collection="frequent"))) == 50
+    assert found(bank, 0, 2, ShapeFilter(collection="nowhere")) == []
+    hasty.dispose()
+
+
+def test_what_filters_let_through_is_kept_within_bounds(database: Database, index: Index) -> None:
+    if database.dialect != "sqlite":
+        pytest.skip("PostgreSQL is asked each time")
+    there = str(index(1, labels={"third": "1"}))
+    banks = Banks(database)
+    bank = banks.of("ann")
+    for number in range(100):
+        asked = ShapeFilter(labels={"third": str(number)})
+        assert [shape_id for shape_id, _ in found(bank, 1, only=asked)] == ([there] if number == 1 else [])
+    assert len(banks._kept["ann"].rows) == 64
+    assert [shape_id for shape_id, _ in found(bank, 1, only=ShapeFilter(labels={"third": "1"}))] == [there]
+
+
 def test_vectors_of_a_table_against_all_of_them() -> None:
     """Any order of additions, replacements and removals gives the distances of what is left."""
     import numpy as np

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 from uuid import UUID
 
-from sqlalchemy import Float, Row, bindparam, func, select, text
+from sqlalchemy import Float, Row, bindparam, false, func, select
 from sqlalchemy.orm import Session
 
 from shapery_contracts.retrieval import VECTOR_DIMENSION, By, Nearest
@@ -42,35 +42,45 @@ def ids(
     session: Session, owner: str, version: int, collection: str | None, labels: Mapping[str, str]
 ) -> Sequence[UUID]:
     """Return the shapes of an index version in the collection of this name and with these labels."""
-    query = select(Shape.id).where(
-        Shape.owner == owner, Shape.index_version == version, *_conditions(collection, labels)
-    )
+    query = select(Shape.id).where(Shape.index_version == version, *_conditions(session, owner, collection, labels))
     return session.scalars(query).all()
 
 
 def nearest(session: Session, owner: str, asked: Nearest) -> Sequence[Row[tuple[UUID, float, bytes]]]:
     """Return ids, distances and vectors of the shapes nearest to a vector; PostgreSQL alone can tell.
 
-    For wholes an index of neighbours is walked until enough of them meet the conditions (pgvector 0.8). For parts all
-    are measured: what a part asks for lies far from every whole, and such an index loses its way there.
+    For wholes it walks an index of neighbours (pgvector 0.8), or measures all shapes that meet the conditions where
+    they are few by its statistics. A walk gives up after a while, far from shapes that meet the conditions: then they
+    are measured after all. For parts there is no such index: what a part asks for lies far from every whole, and it
+    would lose its way there.
     """
-    session.execute(text("SET LOCAL hnsw.iterative_scan = strict_order"))
-    session.execute(text(f"SET LOCAL hnsw.ef_search = {min(1000, max(100, 2 * asked.limit)):d}"))
     query = bindparam("vector", pack_vector(asked.vector), type_=Vector(VECTOR_DIMENSION))
     column: Any = _COLUMNS[asked.by]
     sent = func.halfvec_send(column, type_=SentHalfVector())
     distance: Any = column.op("<->", return_type=Float())(query)
-    return session.execute(
+    found = (
         select(Shape.id, distance.label("distance"), sent.label("vector"))
         .where(
-            Shape.owner == owner,
             Shape.index_version == asked.version,
             column.is_not(None),
-            *_conditions(asked.only.collection, asked.only.labels),
+            *_conditions(session, owner, asked.only.collection, asked.only.labels),
         )
-        .order_by(distance)
         .limit(asked.limit)
-    ).all()
+    )
+    if asked.by == "whole":
+        session.execute(
+            select(
+                # whoever asks puts them in order: what comes late is not to be left out
+                func.set_config("hnsw.iterative_scan", "relaxed_order", True),
+                func.set_config("hnsw.ef_search", str(min(1000, max(100, 2 * asked.limit))), True),
+                # how many shapes meet the conditions depends on the very collection and labels
+                func.set_config("plan_cache_mode", "force_custom_plan", True),
+            )
+        )
+        rows = session.execute(found.order_by(distance)).all()
+        if len(rows) == asked.limit:
+            return rows
+    return session.execute(found.order_by(distance + 0.0)).all()  # no index is of this sum
 
 
 def graphs(session: Session, owner: str, version: int, wanted: Ids[UUID]) -> Iterator[tuple[UUID, bytes]]:
@@ -90,9 +100,11 @@ def graphs(session: Session, owner: str, version: int, wanted: Ids[UUID]) -> Ite
             yield row.shape_id, row.data
 
 
-def _conditions(collection: str | None, labels: Mapping[str, str]) -> list[Any]:
-    conditions = narrowed(None, labels)
+def _conditions(session: Session, owner: str, collection: str | None, labels: Mapping[str, str]) -> list[Any]:
+    conditions = [Shape.owner == owner, *narrowed(None, labels)]
     if collection is not None:
-        named = select(Collection.id).where(Collection.owner == Shape.owner, Collection.name == collection)
-        conditions.append(Shape.collection_id.in_(named))
+        named = select(Collection.id).where(Collection.owner == owner, Collection.name == collection)
+        # asked for by itself: PostgreSQL knows how many shapes are in a collection, if it knows which one
+        found = session.scalar(named)
+        conditions.append(false() if found is None else Shape.collection_id == found)
     return conditions
