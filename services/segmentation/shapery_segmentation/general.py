@@ -10,7 +10,8 @@ What the object is follows from the data around the seed:
 2. **Polarity.** The voxels around the region tell what the object borders on: darker tissue, brighter, or both. The
    border lies half-way to each, where partial volume puts it (`borders`).
 3. **Flow.** U is the distance to the nearer of these borders in units of the noise, positive inside; the density gate
-   of the tumor's way keeps the surface out of leaks, and the normal flow does the rest.
+   of the tumor's way keeps the surface out of leaks, and the normal flow does the rest. In a box where no two values
+   tell the object from what is around it, U is the logarithm of the odds that the competition gives.
 
 References
 ----------
@@ -33,7 +34,7 @@ from shapery_geometry.intersections import self_intersections
 from shapery_geometry.rasterize import rasterize
 from shapery_geometry.volume import Volume
 from shapery_segmentation._flood_kernels import flood
-from shapery_segmentation.borders import borders
+from shapery_segmentation.borders import Polarity, borders
 from shapery_segmentation.competition import compete
 from shapery_segmentation.evolution import Recorder, Scene
 from shapery_segmentation.flow.normal import FlowState, NormalFlowParams, normal_flow
@@ -73,6 +74,13 @@ LARGEST_CONTEST = 250_000
 
 GIVE = 1.0
 """Voxels around the region in a box within which the flow looks for the border; with two it leaks where organs meet."""
+
+AGREEMENT = 0.85
+"""Intersection over union of the region in a box with what the borders' values take for the object, below which these
+values alone do not tell it from what is around it."""
+
+RING = 3.0
+"""Voxels around an object that tell its contrast then."""
 
 CALM = 0.25
 """Growth (logarithm of the volume) across one step of `STILL` below which a region counts as still."""
@@ -163,8 +171,9 @@ def recover_object(
     check_cancelled()
     if target.box is None:
         region, noise = _still_region(coarse, target)
+        likely = None
     else:
-        region, noise = _contested_region(coarse, target.box, target.seed)
+        region, noise, likely = _contested_region(coarse, target.box, target.seed)
     check_cancelled()
     box = box_around(region, region.shape, MARGIN)
     part = Volume(np.ascontiguousarray(coarse.data[box]), _shifted(coarse.affine, [s.start for s in box]))
@@ -173,8 +182,13 @@ def recover_object(
         part, inside = _refined(canonical, part, inside)
     spacing = float(part.voxel_volume ** (1 / 3))
     usable = None if target.box is None else _in_box(part, target.box) & within(inside, GIVE)
-    field, polarity, contrast = borders(part, inside, noise)
-    object_voxels, allowed = _gated(field, inside, usable)
+    walked = None
+    if usable is None or likely is None:
+        field, polarity, contrast = borders(part, inside, noise)
+    else:
+        field, polarity, contrast, walked = _field_in_box(part, inside, noise, usable, likely)
+    # The walk has left leaks behind; the gate would cut what is thin off.
+    object_voxels, allowed = (inside, usable) if walked and usable is not None else _gated(field, inside, usable)
     check_cancelled()
 
     ball, to_ball, start = seed_ball(object_voxels, part.affine)
@@ -277,8 +291,10 @@ def _still_region(volume: Volume, target: Target) -> tuple[BoolArray, float]:
     return region, noise
 
 
-def _contested_region(volume: Volume, box: NDArray[np.float64], seed: NDArray[np.float64]) -> tuple[BoolArray, float]:
-    """Return the region in a box that its surroundings do not win, and the noise there."""
+def _contested_region(
+    volume: Volume, box: NDArray[np.float64], seed: NDArray[np.float64]
+) -> tuple[BoolArray, float, Volume]:
+    """Return the region in a box that its surroundings do not win, the noise there, and how likely voxels are in it."""
     usable = _in_box(volume, box)
     corners = np.argwhere(usable)
     middle = np.clip(np.array(_nearest(volume, seed)), corners[0], corners[-1])
@@ -289,16 +305,46 @@ def _contested_region(volume: Volume, box: NDArray[np.float64], seed: NDArray[np
     noise = max(_noise_around(smooth, middle), spread / (LEVELS * FINENESS))
     share = float(np.count_nonzero(usable)) / LARGEST_CONTEST
     coarse = averaged(volume, share ** (1 / 3) * max(volume.spacing)) if share > 1.0 else volume
-    likely = compete(np.asarray(coarse.data, dtype=np.float32), _in_box(coarse, box))
+    likely = Volume(compete(np.asarray(coarse.data, dtype=np.float32), _in_box(coarse, box)), coarse.affine)
     if coarse is not volume:
-        likely = Volume(likely, coarse.affine).resampled_to(volume, fill=0.0).data
-    labels, _ = ndimage.label((likely > 0.5) & usable)
+        likely = likely.resampled_to(volume, fill=0.0)
+    labels, _ = ndimage.label((likely.data > 0.5) & usable)
     sizes = np.bincount(labels.ravel())
     sizes[0] = 0
     own = int(labels[tuple(middle)]) or int(sizes.argmax())
     if sizes[own] < LEAST_REGION:
         raise _nothing(seed, "what surrounds the box looks as what is in it does")
-    return np.asarray(labels == own), noise
+    return np.asarray(labels == own), noise, likely
+
+
+def _field_in_box(
+    volume: Volume, inside: BoolArray, noise: float, usable: BoolArray, likely: Volume
+) -> tuple[FloatArray, Polarity, float, bool]:
+    """Return U, the polarity and the contrast of an object in a box, see `borders`, and whether U is of the walk.
+
+    Where no two values tell the object from what is around it (organs lie against others of like intensity, tumors are
+    of several tissues), how likely voxels are in it does, which knows edges and the box as well.
+    """
+    try:
+        found = borders(volume, inside, noise)
+    except InvalidInput as error:
+        if error.code != "no_object_found" or not (~inside).any():
+            raise
+        found = None
+    if found is not None:
+        own = (found[0] > 0) & usable
+        if np.count_nonzero(own & inside) >= AGREEMENT * np.count_nonzero(own | inside):
+            return *found, False
+    share = np.clip(likely.resampled_to(volume, fill=0.0).data.astype(np.float32), 0.001, 0.999)
+    polarity, contrast = _stands_out(volume, inside, noise) if found is None else found[1:]
+    return np.asarray(np.log(share / (1.0 - share))), polarity, contrast, True
+
+
+def _stands_out(volume: Volume, inside: BoolArray, noise: float) -> tuple[Polarity, float]:
+    """Return whether an object is brighter or darker than what is around it, and by how much in units of the noise."""
+    ring = within(inside, RING) & ~inside
+    step = float(np.median(volume.data[inside])) - float(np.median(volume.data[ring]))
+    return "bright" if step >= 0 else "dark", abs(step) / noise
 
 
 def _noise_around(smooth: FloatArray, seed: NDArray[np.int64]) -> float:

@@ -43,3 +43,32 @@ def test_values_that_tell_nothing_leave_the_expectation() -> None:
     found = compete(np.zeros(box.shape, dtype=np.float32), box) > 0.5
     assert found[15, 15, 15]
     assert not found[box.nonzero()[0].min(), box.nonzero()[1].min(), box.nonzero()[2].min()]
+
+
+def test_bins_hold_equal_parts_so_that_air_in_the_box_does_not_hide_tissue() -> None:
+    """Soft tissues that differ by a fiftieth of what air and bone span."""
+    rng = np.random.default_rng(2)
+    truth = ball((15.0, 15.0, 15.0), 9.0)
+    values = 20.0 + 30.0 * truth + rng.normal(0.0, 10.0, truth.shape)
+    at = np.indices(truth.shape)
+    values[(at[0] < 9) & ~truth] = -1000.0 + rng.normal(0.0, 20.0)
+    values[(at[0] > 21) & (at[1] > 20) & ~truth] = 700.0
+    assert intersection_over_union(compete(values.astype(np.float32), box_of(truth)) > 0.5, truth) > 0.85
+
+
+def test_what_is_one_tissue_does_not_win_another_that_lies_in_the_middle_too() -> None:
+    """Half a ball fills its box badly: there is as much fat in the middle as there is organ."""
+    rng = np.random.default_rng(3)
+    at = np.indices((30, 30, 30))
+    truth = ball((15.0, 15.0, 15.0), 11.0) & ~ball((19.0, 15.0, 15.0), 8.0)
+    values = np.where(truth, 50.0, -90.0) + rng.normal(0.0, 12.0, truth.shape)
+    values[(at[0] > 25) & ~truth] = 20.0
+    assert intersection_over_union(compete(values.astype(np.float32), box_of(truth)) > 0.5, truth) > 0.85
+
+
+def test_an_object_of_two_tissues_is_still_one() -> None:
+    """A dark core in a bright rim, both unlike what is around."""
+    rng = np.random.default_rng(4)
+    truth, core = ball((15.0, 15.0, 15.0), 10.0), ball((12.0, 15.0, 15.0), 7.0)
+    values = np.where(core, 0.0, np.where(truth, 100.0, 50.0)) + rng.normal(0.0, 8.0, truth.shape)
+    assert intersection_over_union(compete(values.astype(np.float32), box_of(truth)) > 0.5, truth) > 0.85

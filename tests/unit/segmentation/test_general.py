@@ -96,6 +96,20 @@ def test_nothing_leaves_the_box() -> None:
     np.testing.assert_allclose(found.max(axis=0), (30, 27, 27), atol=1)
 
 
+@pytest.mark.parametrize("radius", [9.0, 11.0])
+def test_an_object_in_a_box_that_no_two_values_tell_from_its_surroundings(radius: float) -> None:
+    """A dark core in a bright rim, and around both what lies half-way between them."""
+    at = np.moveaxis(np.indices((56, 56, 56)), 0, -1) - 28.0
+    truth, core = np.linalg.norm(at, axis=-1) < 14.0, np.linalg.norm(at - np.array((-2.0, 0.0, 0.0)), axis=-1) < radius
+    noise = np.random.default_rng(6).normal(0.0, 8.0, truth.shape)
+    values = np.where(core, 0.0, np.where(truth, 100.0, 50.0)) + noise
+    result = segment(Volume(values.astype(np.float32), np.eye(4)), params=SegmentationParams(box=[12] * 3 + [44] * 3))
+    (item,) = result.report.objects
+    assert item.self_intersections == 0
+    assert item.closed
+    assert intersection_over_union(result.labels.data == 1, truth) >= 0.88
+
+
 def test_a_head_is_told_from_other_things(head: HeadPhantom, tilted_head: HeadPhantom) -> None:
     assert looks_like_head(head.post)
     assert looks_like_head(tilted_head.post)
