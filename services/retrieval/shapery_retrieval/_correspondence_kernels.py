@@ -66,15 +66,25 @@ def _lengths(distances, unit):
 
 @njit(**FAST)
 def _largest_of_columns(matrix):
-    """(t,) the row where each column of a matrix (s, t) is largest first."""
-    t = matrix.shape[1]
-    result = np.zeros(t, dtype=np.int32)
+    """(t,) the first row where each column of a matrix (s, t) is largest.
+
+    What is less by a ten-thousandth counts as large: on a surface with symmetries places are as good as others, and
+    which one is taken must not hang on rounding.
+    """
+    s, t = matrix.shape
     most = matrix[0].copy()
-    for i in range(1, len(matrix)):
+    for i in range(1, s):
         row = matrix[i]
         for j in range(t):
-            if row[j] > most[j]:
-                most[j], result[j] = row[j], i
+            most[j] = max(most[j], row[j])
+    for j in range(t):
+        most[j] *= np.float32(1.0 - 1e-4)
+    result = np.zeros(t, dtype=np.int32)
+    for i in range(s - 1, -1, -1):
+        row = matrix[i]
+        for j in range(t):
+            if row[j] >= most[j]:
+                result[j] = i
     return result
 
 
@@ -82,7 +92,8 @@ def _largest_of_columns(matrix):
 def lay(
     masses, known, sides, squares, bare, unit, around, gathered,
     masses2, known2, sides2, squares2, bare2, unit2, around2, gathered2,
-    alpha, warm, epsilon, outer, rounds, fine_epsilon, mirrored, relaxed, plan,
+    alpha, warm, epsilon, outer, rounds, fine_epsilon,
+    few, near_alpha, near_epsilon, near_rounds, mirrored, relaxed, plan,
 ):  # fmt: skip
     """Fill `plan` (s, t) with what lays the samples of one surface on those of another.
 
@@ -140,17 +151,18 @@ def lay(
     settle(cost, masses, masses2, fine_epsilon, rounds, relaxed, plan)
     # where a sample was laid the most, and what was laid there; columns are gone through far faster than rows
     places, back = _largest_of_columns(np.ascontiguousarray(plan.T)), _largest_of_columns(plan)
-    misfit = _misfit(around, every, places, every2)
+    misfit = _misfit(around[:, :few], every, places, every2)
     if not relaxed:  # of a part's whole much may stay bare, and what is laid there says nothing
-        behind = _misfit(around2, every2, back, every)
+        behind = _misfit(around2[:, :few], every2, back, every)
         for i in range(s):
             for j in range(t):
                 misfit[i, j] = np.float32(0.5) * (misfit[i, j] + behind[j, i])
+    beta = np.float32(1.0) - near_alpha
     for i in range(s):
         for j in range(t):
             unlike = squares[i] + squares2[j] - np.float32(2.0) * products[i, j]
-            cost[i, j] = beta * unlike + alpha * misfit[i, j]
-    settle(cost, masses, masses2, fine_epsilon, rounds, relaxed, plan)
+            cost[i, j] = beta * unlike + near_alpha * misfit[i, j]
+    settle(cost, masses, masses2, near_epsilon, near_rounds, relaxed, plan)
 
 
 @njit(**FAST)

@@ -40,9 +40,14 @@ MIRRORED = np.float32(0.5)
 """A body is taken for mirrored where this brings its cost below this share. Of poses none came below 0.65; a mirrored
 copy comes to about 0.02."""
 FINE_EPSILON = np.float32(0.01)
-"""Entropy of the plans of all samples: from their distances to the coarse ones, then to those around them."""
-AROUND = 12
-"""By so many nearest samples each finds its place at last. A pose keeps short distances better than long ones."""
+"""Entropy of the plan of all samples by their distances to the coarse ones."""
+AROUND, NEAR_ALPHA, NEAR_EPSILON = 24, np.float32(0.96), np.float32(0.012)
+"""By so many nearest samples each finds its place at last. A pose keeps short distances better than long ones, and near
+its place what is known of a sample says less than where those around it lie."""
+RELAXED_AROUND, RELAXED_ALPHA, RELAXED_EPSILON = 12, ALPHA, FINE_EPSILON
+"""The same for a part, which has fewer samples."""
+NEAR_ROUNDS = 12
+"""Areas are kept more closely at last: they, too, tell how far along a limb a sample lies."""
 BARE = np.float32(0.1)
 
 Array32 = NDArray[np.float32]
@@ -159,12 +164,13 @@ def lay(query: SampledSurface, other: SampledSurface, *, relaxed: bool = False) 
     like sides may lean to either, a mirrored one is its original.
     """
     plan = np.empty((len(query.masses), len(other.masses)), dtype=np.float32)
+    near = (RELAXED_AROUND, RELAXED_ALPHA, RELAXED_EPSILON) if relaxed else (AROUND, NEAR_ALPHA, NEAR_EPSILON)
     kernels.lay(
         query.masses, query.known, query.sides, query.squares,
         query.distances, query.unit, query.around, query.gathered,
         other.masses, other.known, other.sides, other.squares,
         other.distances, other.unit, other.around, other.gathered,
-        ALPHA, WARM, EPSILON, OUTER, ROUNDS, FINE_EPSILON, MIRRORED, relaxed, plan,
+        ALPHA, WARM, EPSILON, OUTER, ROUNDS, FINE_EPSILON, *near, NEAR_ROUNDS, MIRRORED, relaxed, plan,
     )  # fmt: skip
     return plan
 

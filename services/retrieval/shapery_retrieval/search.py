@@ -26,7 +26,7 @@ the best any more; and not more than so many."""
 RERANKED = 64
 """So many of the best take part in re-ranking."""
 SURFACES_KEPT = 1024
-"""Of so many shapes a searcher keeps the samples, about 35 kB each, for the next query."""
+"""Of so many shapes a searcher keeps the samples, about 45 kB each, for the next query."""
 
 Array = NDArray[np.float64]
 Lay = Callable[[NDArray[np.int64]], tuple[PackedLevel, ...]]

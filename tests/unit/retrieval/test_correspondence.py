@@ -129,12 +129,22 @@ def test_parts_of_a_region_lie_on_it_and_nowhere_else(upright: Description) -> N
     laid = match(region_of(upright.arg, shares), upright.arg, partial=True).overlaid
     inside = upright.decomposition.levels[1] == chosen
     areas = upright.decomposition.samples.areas
-    assert areas[(laid >= 0) == inside].sum() > 0.9
+    assert areas[inside & (laid >= 0)].sum() > 0.95 * areas[inside].sum()
+    # samples beside a border take some of what lies on it
+    assert areas[~inside & (laid >= 0)].sum() < 0.15 * areas[~inside].sum()
     assert set(laid.tolist()) <= {-1, *range(int((levels[2].parents == chosen).sum()))}
 
 
 def test_a_plan_turned_over_is_the_plan_backwards(upright: Description, leaning: Description) -> None:
     here, there = surface_of(upright.arg), surface_of(leaning.arg)
+    np.testing.assert_allclose(lay(here, there), lay(there, here).T, atol=1e-6)
+
+
+def test_places_as_good_as_others_do_not_hang_on_rounding(
+    described_egg: Description, described_torus: Description
+) -> None:
+    # all along a torus places are alike: which one was the largest once differed from one direction to the other
+    here, there = surface_of(described_egg.arg), surface_of(described_torus.arg)
     np.testing.assert_allclose(lay(here, there), lay(there, here).T, atol=1e-6)
 
 

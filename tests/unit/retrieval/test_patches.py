@@ -96,7 +96,8 @@ def test_what_a_shape_covers_and_a_part_asks_for(
     described_egg: Description, described_torus: Description, described_half: Description
 ) -> None:
     covered = covered_by([patches_of(described_egg.arg), patches_of(described_torus.arg)])
-    np.testing.assert_allclose(covered[0], coverage_of(described_egg.arg))
+    # in single precision, whose products are summed in another order for several shapes at once
+    np.testing.assert_allclose(covered[0], coverage_of(described_egg.arg), rtol=1e-5)
     assert ((covered[:, :WORDS] >= 0) & (covered[:, :WORDS] <= 1)).all()
     np.testing.assert_allclose(np.square(covered).sum(axis=1), WORDS)
     hypotheses = described_half.hypotheses()
