@@ -205,7 +205,7 @@ class _Bank:
 
     def args(self, ids: Iterable[str]) -> Mapping[str, bytes]:
         """Return graphs of the present index version by id."""
-        wanted = dict.fromkeys(UUID(text) for text in ids)
+        wanted = dict.fromkeys(shape_id for text in ids if (shape_id := _id(text)) is not None)
         found: dict[UUID, bytes] = {}
         for shape_id in wanted:
             if (INDEX_VERSION, shape_id) in self._kept.graphs:
@@ -260,3 +260,11 @@ class PostgresBank(_Bank):
             rows = repository.nearest(session, self._owner, asked)
         found = (Candidate(str(row.id), row.distance, row.vector) for row in rows)
         return sorted(found, key=lambda candidate: (candidate.distance, candidate.shape_id))
+
+
+def _id(text: str) -> UUID | None:
+    """Return the id that a text is, or None: a job may have been asked for any text."""
+    try:
+        return UUID(text)
+    except ValueError:
+        return None

@@ -98,7 +98,8 @@ class Searchers:
 
     def stored(self, bank: ShapeBank, shape_id: str) -> LaidOut | None:
         """Return a graph of a bank, or None where it is not there, or not any more."""
-        return self._laid(bank, [shape_id])[0] if bank.args([shape_id]) else None
+        # under the very name that it has in results: it is left out of them
+        return self._laid(bank, [shape_id])[0] if shape_id in bank.args([shape_id]) else None
 
     def _laid(self, bank: ShapeBank, ids: Sequence[str]) -> list[LaidOut]:
         missing = [shape_id for shape_id in ids if shape_id not in self._graphs]

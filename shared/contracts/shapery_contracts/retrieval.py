@@ -24,6 +24,8 @@ Labels = dict[
     Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[^:]+$")], Annotated[str, Field(max_length=256)]
 ]
 """Names and values; a name has no colon, so that ``name:value`` is a label in an address or on a command line."""
+FilterLabels = Annotated[Labels, Field(max_length=16)]
+"""Each is a condition that every shape is asked for."""
 CollectionName = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^\S(.*\S)?$")]
 ShapeName = Annotated[str, Field(max_length=255)]
 Region = Annotated[list[Annotated[int, Field(ge=0)]], Field(min_length=1, max_length=5_000_000)]
@@ -121,7 +123,7 @@ class ShapeFilter(BaseModel):
 
     collection: str | None = None
     """Only shapes of this collection."""
-    labels: Labels = {}
+    labels: FilterLabels = {}
     """Only shapes that carry all of these labels with these values."""
 
 

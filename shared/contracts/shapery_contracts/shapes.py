@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from shapery_contracts.retrieval import (
     CollectionName,
+    FilterLabels,
     Labels,
     LevelSummary,
     MeshChange,
@@ -133,7 +134,7 @@ class SearchRequest(BaseModel):
     """Parts of the query's finest level to search with; implies ``partial``."""
     mode: Literal["global", "partial"] = "global"
     collection: CollectionName | None = None
-    labels: Labels = {}
+    labels: FilterLabels = {}
     limit: Annotated[int, Field(ge=1, le=200)] = 20
     rerank: bool = False
 

@@ -31,6 +31,19 @@ def test_json_bodies_are_limited(local_settings: Make, serve: Serve) -> None:
         upload(client, name="files.have.a.limit.of.their.own.nii")
 
 
+def test_filters_of_a_search_are_limited(local_platform: Platform) -> None:
+    """Each label is a condition in a question to the database, which refuses a thousand and takes long for hundreds."""
+    asked = {"shape_id": "01890a5d-ac96-774b-bcce-b302099a8057"}
+    with local_platform.client() as client:
+        for count, code in ((16, "not_found"), (17, "validation_failed"), (5000, "validation_failed")):
+            labels = {f"n{number}": "v" for number in range(count)}
+            assert client.post("/v1/search", json={**asked, "labels": labels}).json()["code"] == code
+            if count > 16:
+                params = {**asked, "filter": {"labels": labels}}
+                job = client.post("/v1/jobs", json={"kind": "shape-search", "inputs": {}, "params": params})
+                assert (job.status_code, job.json()["code"]) == (422, "invalid_params")
+
+
 def test_a_body_too_large_is_refused_before_it_is_sent(local_platform: Platform) -> None:
     for path, size in (("/v1/jobs", 17 << 20), ("/v1/assets", 66 << 30)):
         answer = raw_request(

@@ -197,6 +197,8 @@ def test_a_handler_reads_the_same_over_its_line(database: Database, index: Index
         assert client.candidates(four) == bank.candidates(four), "with their vectors"
         assert client.args([*there, str(uuid4())]) == bank.args(there)
         assert client.args([]) == {}
+        assert client.args(["no id", next(iter(there)).upper()]).keys() <= there.keys()
+        assert client.args(["no id"]) == {}
         assert client.candidates(Nearest(vector=fake.vector(1), limit=3, version=99)) == []
 
 
@@ -204,7 +206,7 @@ def test_a_line_that_breaks_is_told(database: Database, index: Index) -> None:
     index(1)
     with line(Banks(database).of("ann")) as client:
         with pytest.raises(ConnectionError, match="cannot be read"):
-            client.args(["no id"])
+            client.args([5])  # type: ignore[list-item]
         assert len(found(client, 1)) == 1  # the line goes on
 
 

@@ -217,6 +217,17 @@ def test_shapes_that_vanish_meanwhile_are_told(described_egg: Description, descr
     assert gone.value.ids == {"4"}
 
 
+def test_a_stored_shape_is_known_by_the_id_that_it_has_in_results(described_egg: Description) -> None:
+    class Lenient(Bank):
+        def args(self, ids: list[str]) -> dict[str, bytes]:
+            return super().args([name.lower() for name in ids])
+
+    searchers, bank = Searchers(), Lenient({"ab": described_egg.arg})
+    assert searchers.stored(bank, "ab") is not None
+    assert searchers.stored(bank, "AB") is None
+    assert searchers.stored(bank, "cd") is None
+
+
 def test_the_vector_is_that_of_the_stored_graph(described_egg: Description) -> None:
     again = Arg.from_bytes(described_egg.arg.to_bytes())
     np.testing.assert_array_equal(vector_of(again), vector_of(described_egg.arg))

@@ -27,7 +27,7 @@ const DRAWS = [
  * Let a context compile and link each program when something is drawn with it for the first time.
  *
  * A browser stands still from when a page asks whether a program is linked, or where its uniforms are, until it is.
- * niivue makes some forty programs before it draws anything, and asks that of each; slices are drawn with seven.
+ * niivue makes 48 programs before it draws anything, and asks that of each; slices are drawn with six.
  * What is said of the uniforms of a program in between is kept until it is linked. One that cannot be linked throws when
  * it is drawn with.
  */
