@@ -5,9 +5,9 @@
 import numpy as np
 
 from shapery_segmentation.mesh._grid_kernels import measure_face
-from shapery_segmentation.mesh._operation_kernels import following, origin, preceding, twin
+from shapery_segmentation.mesh._operation_kernels import following, origin, twin
 from shapery_segmentation.mesh.arrays import AREA, FACE_TOP, NORMAL, ORIGIN, OUT, SCALE, TWIN, VERTEX_TOP
-from shapery_segmentation.mesh.compiled import kernel
+from shapery_segmentation.mesh.compiled import inner, kernel
 
 DIGIT = 11
 """Bits that one pass of the radix sort looks at."""
@@ -145,32 +145,39 @@ def cut_into_four(m, new, parents):
         new.vertices[origin(new, h), OUT] = h
 
 
+@inner
+def _first_of(link, v):
+    """Return the vertex that stands for the part of `v`, and bring what lies on the way nearer to it."""
+    while link[v] != v:
+        link[v] = link[link[v]]
+        v = np.int64(link[v])
+    return v
+
+
 @kernel
 def part_volumes(m):
     """Return the volume that each part of the surface encloses that hangs together."""
-    part = np.full(m.vertices.shape[0], -1, dtype=np.int64)
-    stack = np.empty(m.vertices.shape[0], dtype=np.int64)
-    parts = 0
-    for v in range(m.layout[VERTEX_TOP]):
-        if m.vertices[v, OUT] < 0 or part[v] >= 0:
+    top = m.layout[VERTEX_TOP]
+    # Face by face, which lie in memory as they do in space, vertices are led to the first of their part.
+    link = np.arange(top).astype(np.int32)
+    for f in range(m.layout[FACE_TOP]):
+        if origin(m, 3 * f) < 0:
             continue
-        part[v] = parts
-        stack[0] = v
-        size = 1
-        while size > 0:
-            size -= 1
-            first = np.int64(m.vertices[stack[size], OUT])
-            h = first
-            while True:
-                w = origin(m, following(h))
-                if part[w] < 0:
-                    part[w] = parts
-                    stack[size] = w
-                    size += 1
-                h = twin(m, preceding(h))
-                if h == first:
-                    break
-        parts += 1
+        first = _first_of(link, origin(m, 3 * f))
+        for k in range(1, 3):
+            other = _first_of(link, origin(m, 3 * f + k))
+            link[max(first, other)] = min(first, other)
+            first = min(first, other)
+    part = np.empty(top, dtype=np.int32)
+    parts = 0
+    for v in range(top):
+        if m.vertices[v, OUT] < 0:
+            continue
+        if link[v] == v:
+            part[v] = parts
+            parts += 1
+        else:
+            part[v] = part[_first_of(link, v)]
     volumes = np.zeros(parts)
     about = np.zeros((parts, 3))
     begun = np.zeros(parts, dtype=np.bool_)
