@@ -107,11 +107,13 @@ def report(found: dict[str, Any]) -> str:
         lines.append("")
     if "postgres" in found:
         row = found["postgres"]
+        used = f" and {row['processor_ms']:.0f} ms of the processor's" if "processor_ms" in row else ""
         told = (
             f"{row['size']:,} shapes in PostgreSQL with 32 MB of buffers, HNSW over 16-bit vectors of "
-            f"{row['index_megabytes']:.0f} MiB, built in {row['index_s']:.0f} s. Six hundred candidates came in "
-            f"{row['median_ms']:.0f} ms (median; p95 {row['p95_ms']:.0f} ms) of wall time; {row['recall']:.1%} of them "
-            f"were the exact ones, and {row['twenty_best']:.1%} of the twenty best were found."
+            f"{row['index_megabytes']:.0f} MiB, built in {row['index_s']:.0f} s. Six hundred candidates for each of "
+            f"{row['queries']} queries came in {row['median_ms']:.0f} ms (median; p95 {row['p95_ms']:.0f} ms) of wall "
+            f"time{used}; {row['recall']:.1%} of them were the exact ones, and {row['twenty_best']:.2%} of the "
+            "twenty best were found."
         )
         if "parts_recall" in row:
             told += (

@@ -355,7 +355,8 @@ class Shape(Base):
             "ix_shapes_vector",
             "vector",
             postgresql_using="hnsw",
-            postgresql_with={"m": 24, "ef_construction": 128},
+            # a shape among hundreds that are nearly alike has to see beyond them, or no way leads there
+            postgresql_with={"m": 24, "ef_construction": 400},
             postgresql_ops={"vector": "halfvec_l2_ops"},
         ).ddl_if(dialect="postgresql"),
     )

@@ -72,7 +72,7 @@ def nearest(session: Session, owner: str, asked: Nearest) -> Sequence[Row[tuple[
             select(
                 # whoever asks puts them in order: what comes late is not to be left out
                 func.set_config("hnsw.iterative_scan", "relaxed_order", True),
-                func.set_config("hnsw.ef_search", str(min(1000, max(100, 2 * asked.limit))), True),
+                func.set_config("hnsw.ef_search", str(min(1000, max(100, asked.limit + asked.limit // 4))), True),
                 # how many shapes meet the conditions depends on the very collection and labels
                 func.set_config("plan_cache_mode", "force_custom_plan", True),
             )
