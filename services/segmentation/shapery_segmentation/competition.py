@@ -35,6 +35,9 @@ AROUND = 3
 CORE = 0.5
 """Share of the half axes of the box's ellipsoid within which voxels are object at first."""
 
+SEED_CORE = 0.25
+"""The same around a seed, which is known to be object where the middle of the box need not be."""
+
 STEEPNESS = 4.0
 """Of the expectation, across the ellipsoid's border: at its middle it is 0.98."""
 
@@ -44,6 +47,9 @@ where there is air or bone beside soft tissue, as in CT, bins of equal width wou
 
 ELSEWHERE = 0.05
 """What is left of the object's histogram outside of its interval, if it is one tissue."""
+
+ANYTHING = 0.3
+"""Share of what surrounds one tissue that is any value which the box holds: what was seen on neither side is not it."""
 
 REACHED = 0.75
 """Share that the extents of one tissue, multiplied, have of those of the mixed object at the least; nine tenths along
@@ -68,7 +74,9 @@ LEAST_LINK = 1e-4
 """What the largest step leaves of a link."""
 
 
-def compete(values: NDArray[np.float32], usable: BoolArray) -> NDArray[np.float32]:
+def compete(
+    values: NDArray[np.float32], usable: BoolArray, seed: NDArray[np.int64] | None = None
+) -> NDArray[np.float32]:
     """Return how likely each voxel belongs to the object in a box.
 
     Parameters
@@ -77,6 +85,8 @@ def compete(values: NDArray[np.float32], usable: BoolArray) -> NDArray[np.float3
         Finite.
     usable : (I, J, K) bool
         The box, along the grid's axes.
+    seed : (3,) int64, optional
+        A voxel that is known to be object; without it, the middle of the box is taken for that.
 
     Returns
     -------
@@ -85,7 +95,7 @@ def compete(values: NDArray[np.float32], usable: BoolArray) -> NDArray[np.float3
     box = box_around(usable, usable.shape, AROUND)
     inside = usable[box]
     smooth = ndimage.gaussian_filter(values[box].astype(np.float64), SMOOTHING)
-    away = _from_middle(inside)
+    away = _away(inside)
     place = np.where(inside, 1.0 / (1.0 + np.exp(STEEPNESS * (away - 1.0))), 0.0)
     limits = np.quantile(smooth[inside], np.arange(1, BINS) / BINS)
     bins = np.searchsorted(limits, smooth)
@@ -93,13 +103,18 @@ def compete(values: NDArray[np.float32], usable: BoolArray) -> NDArray[np.float3
     weight = np.where(inside, PRIOR, FIRM).ravel()
     system = (links + sparse.diags_array(weight)).tocsr()
     scale = sparse.diags_array(1.0 / system.diagonal())
-    core = ((away < CORE) & inside).astype(np.float64)
+    core = inside & (away < CORE)
+    known = core
+    if seed is not None:
+        known = inside & (_away(inside, seed - np.array([s.start for s in box])) < SEED_CORE)
 
-    def walk(one_tissue: bool) -> FloatArray:
-        likely, own, other = core, core, (~inside).astype(np.float64)
+    def walk(start: BoolArray, one_tissue: bool) -> FloatArray:
+        own = start.astype(np.float64)
+        likely, other = own, (~inside).astype(np.float64)
         for _ in range(ROUNDS):
             mine, theirs = _histogram(bins, own), _histogram(bins, other)
             if one_tissue:
+                theirs = (1.0 - ANYTHING) * theirs + ANYTHING / BINS
                 mine = _interval(mine, theirs)
             for_object, against = mine[bins] * place, theirs[bins] * (1.0 - place)
             prior = np.where(inside, for_object / np.maximum(for_object + against, 1e-30), 0.0)
@@ -108,20 +123,24 @@ def compete(values: NDArray[np.float32], usable: BoolArray) -> NDArray[np.float3
             own, other = np.where(inside & (likely > 0.5), likely, 0.0), 1.0 - likely
         return likely
 
-    single, mixed = walk(True), walk(False)
+    single, mixed = walk(known, True), walk(core, False)
     likely = single if _extent(inside & (single > 0.5)) >= REACHED * _extent(inside & (mixed > 0.5)) else mixed
     found = np.zeros(values.shape, dtype=np.float32)
     found[box] = np.where(inside, np.clip(likely, 0.0, 1.0), 0.0)
     return found
 
 
-def _from_middle(inside: BoolArray) -> FloatArray:
-    """Return the distance of every voxel from the middle of a box, 1 on the ellipsoid that fills it."""
+def _away(inside: BoolArray, middle: NDArray[np.int64] | None = None) -> FloatArray:
+    """Return the distance of every voxel from the middle of a box, 1 on the ellipsoid that fills it.
+
+    With `middle`, (3,), from that voxel, in the same units.
+    """
     index = np.argwhere(inside)
     low, high = index.min(axis=0), index.max(axis=0)
+    center = 0.5 * (low + high) if middle is None else middle
     axes = [
-        ((np.arange(n) - 0.5 * (a + b)) / (0.5 * (b - a + 1))) ** 2
-        for n, a, b in zip(inside.shape, low, high, strict=True)
+        ((np.arange(n) - c) / (0.5 * (b - a + 1))) ** 2
+        for n, c, a, b in zip(inside.shape, center, low, high, strict=True)
     ]
     return np.asarray(np.sqrt(axes[0][:, None, None] + axes[1][None, :, None] + axes[2][None, None, :]))
 

@@ -123,10 +123,13 @@ class Target:
         RAS mm.
     box : (2, 3) float64, optional
         Two corners in RAS mm that the object lies between.
+    pointed
+        Whether the seed was given, not only the box, of which it is the middle then.
     """
 
     seed: NDArray[np.float64]
     box: NDArray[np.float64] | None = None
+    pointed: bool = True
 
 
 def targets(params: SegmentationParams) -> list[Target]:
@@ -134,7 +137,7 @@ def targets(params: SegmentationParams) -> list[Target]:
     box = None if params.box is None else np.sort(np.asarray(params.box, dtype=np.float64).reshape(2, 3), axis=0)
     if params.seeds:
         return [Target(np.asarray(seed, dtype=np.float64), box) for seed in params.seeds]
-    return [] if box is None else [Target(box.mean(axis=0), box)]
+    return [] if box is None else [Target(box.mean(axis=0), box, pointed=False)]
 
 
 def recover_object(
@@ -173,7 +176,7 @@ def recover_object(
         region, noise = _still_region(coarse, target)
         likely = None
     else:
-        region, noise, likely = _contested_region(coarse, target.box, target.seed)
+        region, noise, likely = _contested_region(coarse, target, target.box)
     check_cancelled()
     box = box_around(region, region.shape, MARGIN)
     part = Volume(np.ascontiguousarray(coarse.data[box]), _shifted(coarse.affine, [s.start for s in box]))
@@ -291,21 +294,20 @@ def _still_region(volume: Volume, target: Target) -> tuple[BoolArray, float]:
     return region, noise
 
 
-def _contested_region(
-    volume: Volume, box: NDArray[np.float64], seed: NDArray[np.float64]
-) -> tuple[BoolArray, float, Volume]:
+def _contested_region(volume: Volume, target: Target, box: NDArray[np.float64]) -> tuple[BoolArray, float, Volume]:
     """Return the region in a box that its surroundings do not win, the noise there, and how likely voxels are in it."""
     usable = _in_box(volume, box)
     corners = np.argwhere(usable)
-    middle = np.clip(np.array(_nearest(volume, seed)), corners[0], corners[-1])
+    middle = np.clip(np.array(_nearest(volume, target.seed)), corners[0], corners[-1])
     smooth = _smoothed(volume)
     spread = float(np.ptp(np.percentile(smooth[usable], (1.0, 99.0))))
     if not spread > 0:
-        raise _nothing(seed, "everything in the box has the same intensity")
+        raise _nothing(target.seed, "everything in the box has the same intensity")
     noise = max(_noise_around(smooth, middle), spread / (LEVELS * FINENESS))
     share = float(np.count_nonzero(usable)) / LARGEST_CONTEST
     coarse = averaged(volume, share ** (1 / 3) * max(volume.spacing)) if share > 1.0 else volume
-    likely = Volume(compete(np.asarray(coarse.data, dtype=np.float32), _in_box(coarse, box)), coarse.affine)
+    given = np.array(_nearest(coarse, volume.to_world(middle))) if target.pointed else None
+    likely = Volume(compete(np.asarray(coarse.data, dtype=np.float32), _in_box(coarse, box), given), coarse.affine)
     if coarse is not volume:
         likely = likely.resampled_to(volume, fill=0.0)
     labels, _ = ndimage.label((likely.data > 0.5) & usable)
@@ -313,7 +315,7 @@ def _contested_region(
     sizes[0] = 0
     own = int(labels[tuple(middle)]) or int(sizes.argmax())
     if sizes[own] < LEAST_REGION:
-        raise _nothing(seed, "what surrounds the box looks as what is in it does")
+        raise _nothing(target.seed, "what surrounds the box looks as what is in it does")
     return np.asarray(labels == own), noise, likely
 
 

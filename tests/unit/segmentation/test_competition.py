@@ -72,3 +72,16 @@ def test_an_object_of_two_tissues_is_still_one() -> None:
     truth, core = ball((15.0, 15.0, 15.0), 10.0), ball((12.0, 15.0, 15.0), 7.0)
     values = np.where(core, 0.0, np.where(truth, 100.0, 50.0)) + rng.normal(0.0, 8.0, truth.shape)
     assert intersection_over_union(compete(values.astype(np.float32), box_of(truth)) > 0.5, truth) > 0.85
+
+
+def test_a_seed_tells_of_which_tissue_an_object_is_that_leaves_the_middle_of_its_box() -> None:
+    """A bowl: the middle of its box is what lies in it, which is unlike all else."""
+    rng = np.random.default_rng(5)
+    content = ball((17.0, 15.0, 15.0), 9.0)
+    truth = ball((15.0, 15.0, 15.0), 12.0) & ~content
+    values = np.where(content, 150.0, np.where(truth, 50.0, -90.0)) + rng.normal(0.0, 12.0, truth.shape)
+    seed = np.array((4, 15, 15))
+    assert truth[tuple(seed)]
+    found = compete(values.astype(np.float32), box_of(truth), seed) > 0.5
+    assert intersection_over_union(found, truth) > 0.85
+    assert intersection_over_union(compete(values.astype(np.float32), box_of(truth)) > 0.5, truth) < 0.7
