@@ -1,6 +1,8 @@
-"""The flood from a seed: for every voxel the least tolerance with which a path from the seed reaches it."""
+"""How a region grows from a seed, voxel by voxel, and how firmly each stage of it hangs together with the rest."""
 
 from __future__ import annotations
+
+import heapq
 
 import numba
 import numpy as np
@@ -8,70 +10,99 @@ from numpy.typing import NDArray
 
 
 @numba.njit(cache=True)
-def flood(
-    cost: NDArray[np.uint16], start: NDArray[np.int64], most: int, level: NDArray[np.uint16], volume: NDArray[np.int64]
+def _links(values, at, shape, scale, inside):  # type: ignore[no-untyped-def]
+    """Return by how much the links across the border grow when a voxel joins the region."""
+    ni, nj, nk = shape
+    k = at % nk
+    j = (at // nk) % nj
+    i = at // (nk * nj)
+    change = 0.0
+    for side in range(6):
+        a, b, c = i, j, k
+        step = 1 if side % 2 else -1
+        if side < 2:
+            a += step
+        elif side < 4:
+            b += step
+        else:
+            c += step
+        if a < 0 or b < 0 or c < 0 or a >= ni or b >= nj or c >= nk:
+            continue
+        neighbour = (a * nj + b) * nk + c
+        link = np.exp(-abs(values[neighbour] - values[at]) / scale)
+        change += -link if inside[neighbour] else link
+    return change
+
+
+@numba.njit(cache=True)
+def grow(
+    values: NDArray[np.float32],
+    seed: NDArray[np.int64],
+    center: float,
+    unlike: float,
+    step: float,
+    scale: float,
+    most: int,
+    order: NDArray[np.int64],
+    held: NDArray[np.float64],
 ) -> int:
-    """Fill `level` with the least over all paths of the largest `cost` on the path; return how many are reached.
+    """Write the voxels in the order in which a path from the seed reaches them at the least cost; return how many.
+
+    A path costs `step` for each voxel on it, and the square of how far its value is from `center`, in `unlike`.
 
     Parameters
     ----------
-    cost : (I, J, K) uint16
-        Below ``len(volume)``; voxels of at least that are never entered.
-    start : (n, 3) int64
-        Voxels of level 0.
+    values : (I, J, K) float32
+        Finite, in one piece of memory.
+    seed : (3,) int64
+    center, unlike, step : float
+    scale : float
+        A link between neighbours holds exp(−difference / scale).
     most
-        Voxels after which the flood ends.
-    level : (I, J, K) uint16
-        Written where reached; to be filled with the largest value before.
-    volume : (levels,) int64
-        Counts the voxels reached at each level.
-
-    Notes
-    -----
-    A queue for each level, as lists through one array: the time is that of looking at each voxel's neighbours once.
+        Voxels after which it ends.
+    order : (most,) int64
+        Receives the voxels, numbered as in memory.
+    held : (most,) float64
+        Receives what the links hold between the region that ends there and the rest.
     """
-    ni, nj, nk = cost.shape
-    levels = len(volume)
-    head = np.full(levels, -1, dtype=np.int64)
-    following = np.full(ni * nj * nk, -1, dtype=np.int64)
-    seen = np.zeros(ni * nj * nk, dtype=np.uint8)
-    for n in range(len(start)):
-        at = (start[n, 0] * nj + start[n, 1]) * nk + start[n, 2]
-        if not seen[at]:
-            seen[at] = 1
-            following[at] = head[0]
-            head[0] = at
-    reached = 0
-    current = 0
-    while current < levels and reached < most:
-        at = head[current]
-        if at < 0:
-            current += 1
+    ni, nj, nk = values.shape
+    flat = values.reshape(-1)
+    cost = np.full(flat.size, np.inf, dtype=np.float32)
+    inside = np.zeros(flat.size, dtype=np.bool_)
+    first = (seed[0] * nj + seed[1]) * nk + seed[2]
+    cost[first] = 0.0
+    queue = [(np.float32(0.0), first)]
+    count = 0
+    total = 0.0
+    while len(queue) > 0 and count < most:
+        so_far, at = heapq.heappop(queue)
+        if inside[at]:
             continue
-        head[current] = following[at]
+        inside[at] = True
+        total += _links(flat, at, values.shape, scale, inside)
+        order[count] = at
+        held[count] = total
+        count += 1
         k = at % nk
         j = (at // nk) % nj
         i = at // (nk * nj)
-        level[i, j, k] = current
-        volume[current] += 1
-        reached += 1
         for side in range(6):
             a, b, c = i, j, k
-            step = 1 if side % 2 else -1
+            way = 1 if side % 2 else -1
             if side < 2:
-                a += step
+                a += way
             elif side < 4:
-                b += step
+                b += way
             else:
-                c += step
+                c += way
             if a < 0 or b < 0 or c < 0 or a >= ni or b >= nj or c >= nk:
                 continue
             neighbour = (a * nj + b) * nk + c
-            if seen[neighbour]:
+            if inside[neighbour]:
                 continue
-            seen[neighbour] = 1
-            rise = max(current, int(cost[a, b, c]))
-            if rise < levels:
-                following[neighbour] = head[rise]
-                head[rise] = neighbour
-    return reached
+            off = (flat[neighbour] - center) / unlike
+            price = np.float32(so_far + step + off * off)
+            if price < cost[neighbour]:
+                cost[neighbour] = price
+                heapq.heappush(queue, (price, neighbour))
+    return count

@@ -74,9 +74,7 @@ LEAST_LINK = 1e-4
 """What the largest step leaves of a link."""
 
 
-def compete(
-    values: NDArray[np.float32], usable: BoolArray, seed: NDArray[np.int64] | None = None
-) -> NDArray[np.float32]:
+def compete(values: NDArray[np.float32], usable: BoolArray, known: BoolArray | None = None) -> NDArray[np.float32]:
     """Return how likely each voxel belongs to the object in a box.
 
     Parameters
@@ -85,8 +83,8 @@ def compete(
         Finite.
     usable : (I, J, K) bool
         The box, along the grid's axes.
-    seed : (3,) int64, optional
-        A voxel that is known to be object; without it, the middle of the box is taken for that.
+    known : (I, J, K) bool, optional
+        Voxels in the box that are taken for object at first; without them, the middle of the box is.
 
     Returns
     -------
@@ -104,9 +102,7 @@ def compete(
     system = (links + sparse.diags_array(weight)).tocsr()
     scale = sparse.diags_array(1.0 / system.diagonal())
     core = inside & (away < CORE)
-    known = core
-    if seed is not None:
-        known = inside & (_away(inside, seed - np.array([s.start for s in box])) < SEED_CORE)
+    begun = core if known is None else known[box] & inside
 
     def walk(start: BoolArray, one_tissue: bool) -> FloatArray:
         own = start.astype(np.float64)
@@ -123,11 +119,23 @@ def compete(
             own, other = np.where(inside & (likely > 0.5), likely, 0.0), 1.0 - likely
         return likely
 
-    single, mixed = walk(known, True), walk(core, False)
+    single, mixed = walk(begun, True), walk(core, False)
     likely = single if _extent(inside & (single > 0.5)) >= REACHED * _extent(inside & (mixed > 0.5)) else mixed
     found = np.zeros(values.shape, dtype=np.float32)
     found[box] = np.where(inside, np.clip(likely, 0.0, 1.0), 0.0)
     return found
+
+
+def around(usable: BoolArray, seed: NDArray[np.int64]) -> BoolArray:
+    """Return the voxels of a box around one of them that are object if that one is.
+
+    Parameters
+    ----------
+    usable : (I, J, K) bool
+        The box, along the grid's axes.
+    seed : (3,) int64
+    """
+    return np.asarray(usable & (_away(usable, seed) < SEED_CORE))
 
 
 def _away(inside: BoolArray, middle: NDArray[np.int64] | None = None) -> FloatArray:

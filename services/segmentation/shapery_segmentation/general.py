@@ -2,11 +2,13 @@
 
 What the object is follows from the data around the seed:
 
-1. **Region.** For every voxel, the tolerance around the seed's intensity at which a path from the seed reaches it (a
-   minimax path). As the tolerance grows, the region fills the object, then stays nearly as it is while the tolerance
-   passes through the border, then leaks. The region at the stillest of these places is the object, roughly: an extremal
-   region that is maximally stable (Matas et al., 2004), but around the seed's intensity and to both sides of it. Within
-   a box, what surrounds the box and the middle of it compete for the voxels instead (`competition`).
+1. **Region.** From a seed a region grows, voxel by voxel: the next is the one that a path reaches at the least cost,
+   which is the length and how unlike the seed's the values on it are. So it fills the object first, and leaks late. Of
+   all stages the one is taken that hangs together least with the rest, for its size: the links between neighbours
+   across its border, weaker where there is an edge, over the volume to the power 2/3. That is the isoperimetric ratio
+   (Grady and Schwartz, 2006), which asks for a short border on edges, at any size. Then what surrounds the box and what
+   is known of the object compete for the voxels (`competition`): in the user's box its middle, or what is around the
+   seed; without one the region, in a box a little larger than itself.
 2. **Polarity.** The voxels around the region tell what the object borders on: darker tissue, brighter, or both. The
    border lies half-way to each, where partial volume puts it (`borders`).
 3. **Flow.** U is the distance to the nearer of these borders in units of the noise, positive inside; the density gate
@@ -15,8 +17,8 @@ What the object is follows from the data around the seed:
 
 References
 ----------
-Section 3.4.1 of the dissertation. J. Matas et al., "Robust wide-baseline stereo from maximally stable extremal
-regions", Image Vision Comput. 22 (2004), doi:10.1016/j.imavis.2004.02.006.
+Section 3.4.1 of the dissertation. L. Grady and E. L. Schwartz, "Isoperimetric graph partitioning for image
+segmentation", IEEE TPAMI 28 (2006), doi:10.1109/TPAMI.2006.57.
 """
 
 from __future__ import annotations
@@ -33,9 +35,9 @@ from shapery_contracts.segmentation import SegmentationParams
 from shapery_geometry.intersections import self_intersections
 from shapery_geometry.rasterize import rasterize
 from shapery_geometry.volume import Volume
-from shapery_segmentation._flood_kernels import flood
+from shapery_segmentation._flood_kernels import grow
 from shapery_segmentation.borders import Polarity, borders
-from shapery_segmentation.competition import compete
+from shapery_segmentation.competition import around, compete
 from shapery_segmentation.evolution import Recorder, Scene
 from shapery_segmentation.flow.normal import FlowState, NormalFlowParams, normal_flow
 from shapery_segmentation.gate import REACH, dense
@@ -51,17 +53,8 @@ BoolArray = NDArray[np.bool_]
 LARGEST_SEARCH = 4_000_000
 """Voxels of the volume in which the region is looked for; larger ones are averaged for it."""
 
-LEVELS = 2048
-"""Tolerances of the flood."""
-
-FINENESS = 0.2
-"""Step between them, in units of the noise."""
-
-STILL = 1.25
-"""The region is compared at a tolerance so many times larger."""
-
-LEAST_TOLERANCE = 2.0
-"""In units of the noise; at less a region has holes wherever the noise has peaks."""
+LEAST_NOISE = 0.0025
+"""Of the range of the values, without its extremes: what is less is not seen."""
 
 LEAST_REGION = 27
 """Voxels below which a region is the seed's own noise."""
@@ -79,21 +72,25 @@ AGREEMENT = 0.85
 """Intersection over union of the region in a box with what the borders' values take for the object, below which these
 values alone do not tell it from what is around it."""
 
+CLEAR = 0.925
+"""The same above which an object that was pointed at may go on beyond its region, as a vessel does beyond a narrow."""
+
 RING = 3.0
 """Voxels around an object that tell its contrast then."""
 
-CALM = 0.25
-"""Growth (logarithm of the volume) across one step of `STILL` below which a region counts as still."""
+LEAST_GROWN = 100
+"""Voxels that a region grows to at least, before which its border is as long as that of noise."""
 
-BRIDGE = 1.5
-"""Voxels: deviation of the Gaussian over the tolerances before the flood. A bridge to a like neighbour that is thinner
-than about four of them is as costly as what lies beside it."""
+UNLIKE, STEP, LINK = 2.0, 0.2, 3.0
+"""How far from the seed's value a voxel costs one, and how much a link of `exp(-1)` spans, both in units of the values'
+deviation around the seed; and what a voxel costs that is like the seed. Nothing hangs on their exact values: of organs
+half and double are worth a hundredth or two."""
 
-REGROWN = 4.0
-"""Units of the noise within which voxels beside the region belong to it."""
+ALIKE = 0.9
+"""Mean link across the border of a region, over that within it, above which it is no object: noise has .91 to .94."""
 
-DEEPEST = 40.0
-"""Units of the noise to which tolerances are cut for that."""
+AROUND_REGION = 0.05
+"""Share of its extent by which a region's box is larger than it, on each side."""
 
 LARGEST_SURFACE = 40_000
 """Vertices at about which edges get longer instead."""
@@ -105,6 +102,9 @@ HALF_CONTRAST = 8.0
 """Units of the noise at which the confidence in a border is 0.63."""
 
 ELSEWHERE = "The seed itself lies outside the object that was found around it."
+
+MAD_TO_SIGMA = 1.4826
+"""Median of the absolute deviations of a normal distribution to its standard deviation."""
 
 QUARTILE_TO_SIGMA = 3.138
 """Lower quartile of the absolute values of a normal distribution to its standard deviation."""
@@ -172,11 +172,13 @@ def recover_object(
     step = max(max(canonical.spacing), (canonical.data.size / LARGEST_SEARCH) ** (1 / 3) * min(canonical.spacing))
     coarse = averaged(canonical, step) if canonical.data.size > LARGEST_SEARCH else canonical
     check_cancelled()
-    if target.box is None:
-        region, noise = _still_region(coarse, target)
-        likely = None
+    drawn = target.box is not None
+    if target.box is not None:
+        frame, grown = target.box, None
     else:
-        region, noise, likely = _contested_region(coarse, target, target.box)
+        frame, grown = _grown_region(coarse, target.seed)
+    check_cancelled()
+    region, noise, likely = _contested_region(coarse, target, frame, grown)
     check_cancelled()
     box = box_around(region, region.shape, MARGIN)
     part = Volume(np.ascontiguousarray(coarse.data[box]), _shifted(coarse.affine, [s.start for s in box]))
@@ -184,14 +186,13 @@ def recover_object(
     if coarse is not canonical:
         part, inside = _refined(canonical, part, inside)
     spacing = float(part.voxel_volume ** (1 / 3))
-    usable = None if target.box is None else _in_box(part, target.box) & within(inside, GIVE)
-    walked = None
-    if usable is None or likely is None:
-        field, polarity, contrast = borders(part, inside, noise)
-    else:
-        field, polarity, contrast, walked = _field_in_box(part, inside, noise, usable, likely)
+    usable = _in_box(part, frame) & within(inside, GIVE)
+    field, polarity, contrast, agreement = _field_in_box(part, inside, noise, usable, likely)
+    walked = agreement < AGREEMENT
+    if not drawn and agreement >= CLEAR:
+        usable = np.ones(part.shape, dtype=np.bool_)
     # The walk has left leaks behind; the gate would cut what is thin off.
-    object_voxels, allowed = (inside, usable) if walked and usable is not None else _gated(field, inside, usable)
+    object_voxels, allowed = (inside, usable) if walked else _gated(field, inside, usable)
     check_cancelled()
 
     ball, to_ball, start = seed_ball(object_voxels, part.affine)
@@ -224,13 +225,13 @@ def recover_object(
         raise _nothing(target.seed, "the surface that started there shrank to nothing")
     source = Volume(np.broadcast_to(np.zeros((), np.uint8), volume.shape), volume.affine)
     filled = rasterize(flow.mesh, source)
-    if target.box is None and np.count_nonzero(filled) > LARGEST_REGION * filled.size:
+    if not drawn and np.count_nonzero(filled) > LARGEST_REGION * filled.size:
         share = 100.0 * np.count_nonzero(filled) / filled.size
         raise _nothing(
             target.seed, f"the surface that started there ran into its surroundings, {share:.0f} % of the volume"
         )
     whole = ndimage.binary_fill_holes(filled)
-    notes = [] if target.box is not None or object_voxels[_nearest(part, target.seed)] else [ELSEWHERE]
+    notes = [] if drawn or object_voxels[_nearest(part, target.seed)] else [ELSEWHERE]
     if _touches_border(filled):
         notes.append("It reaches the border of the volume: it may go on beyond.")
     note = shrinking_note(seed, flow.mesh, field, part.affine, flow.threshold)
@@ -254,48 +255,55 @@ def recover_object(
     )
 
 
-def _still_region(volume: Volume, target: Target) -> tuple[BoolArray, float]:
-    """Return the stillest region around the seed, and the noise there."""
-    seed = np.array(_nearest(volume, target.seed))
-    smooth = _smoothed(volume)
-    noise = _noise_around(smooth, seed)
-    here = tuple(slice(max(int(s) - 1, 0), int(s) + 2) for s in seed)
-    centre = float(np.median(smooth[here]))
-    spread = float(np.percentile(np.abs(smooth - centre), 99.0))
+def _grown_region(volume: Volume, point: NDArray[np.float64]) -> tuple[NDArray[np.float64], BoolArray]:
+    """Return the region around a seed that hangs together least with the rest, and before it a box around that."""
+    seed = np.array(_nearest(volume, point))
+    smooth = np.ascontiguousarray(_smoothed(volume))
+    here = smooth[tuple(slice(max(int(s) - NEARBY, 0), int(s) + NEARBY + 1) for s in seed)]
+    spread = float(np.ptp(np.percentile(smooth, (1.0, 99.0))))
     if not spread > 0:
-        raise _nothing(target.seed, "everything around has the same intensity")
-    noise = max(noise, spread / (LEVELS * FINENESS))
+        raise _nothing(point, "everything around has the same intensity")
+    center = float(np.median(here))
+    unit = max(MAD_TO_SIGMA * float(np.median(np.abs(here - center))), 2.0 * LEAST_NOISE * spread)
     most = int(LARGEST_REGION * smooth.size)
-    for _ in range(2):
-        tolerance = np.abs(smooth - np.float32(centre)) / np.float32(noise)
-        # Without the bridges that lead to like neighbours; where the object is thin itself, with them.
-        for bridge in (BRIDGE, 0.0):
-            cut = np.minimum(tolerance, np.float32(DEEPEST)) if bridge else tolerance
-            wide = ndimage.gaussian_filter(cut, bridge, mode="nearest") if bridge else cut
-            cost = np.minimum(wide / FINENESS, LEVELS - 1).astype(np.uint16)
-            level = np.full(volume.shape, np.iinfo(np.uint16).max, dtype=np.uint16)
-            counts = np.zeros(LEVELS, dtype=np.int64)
-            flood(cost, seed[None].astype(np.int64), smooth.size, level, counts)
-            stillest = _stillest(np.cumsum(counts), most)
-            if stillest is not None:
-                break
-        if stillest is None:
-            raise _nothing(target.seed, "no region around it stands out: it runs into its surroundings at once")
-        region = np.asarray(level <= stillest)
-        if bridge:
-            # Back to where the averaging began: as far as the object itself goes on.
-            near = within(region, 2.0 * BRIDGE)
-            region |= near & (tolerance < max(REGROWN, float(stillest) * FINENESS))
-        # A single voxel's noise must not be the centre: once more from the median of what was found.
-        again = float(np.median(smooth[region]))
-        if abs(again - centre) < 0.5 * noise:
-            break
-        centre = again
-    return region, noise
+    order, held = np.empty(most, dtype=np.int64), np.empty(most)
+    count = grow(smooth, seed, center, UNLIKE * unit, STEP, LINK * unit, most, order, held)
+    sizes = np.arange(1, count + 1)
+    ratio = np.where(sizes >= LEAST_GROWN, held[:count] / sizes ** (2.0 / 3.0), np.inf)
+    size = int(np.argmin(ratio)) + 1 if count >= LEAST_GROWN else count
+    if size == most:
+        raise _nothing(point, "no region around it stands out: it runs into its surroundings at once")
+    region = np.zeros(smooth.shape, dtype=np.bool_)
+    region.ravel()[order[:size]] = True
+    region = ndimage.binary_fill_holes(region)
+    if not _hangs_together(smooth, region, LINK * unit):
+        raise _nothing(point, "no region around it stands out: what is next to it looks as it does")
+    low, high = (np.array([f(i) for i in np.nonzero(region)]) for f in (np.min, np.max))
+    more = AROUND_REGION * (high - low + 1) + 0.5
+    corners = np.array(np.meshgrid(*np.stack((low - more, high + more), axis=1), indexing="ij")).reshape(3, -1).T
+    world = volume.to_world(corners)
+    return np.stack((world.min(axis=0), world.max(axis=0))), region
 
 
-def _contested_region(volume: Volume, target: Target, box: NDArray[np.float64]) -> tuple[BoolArray, float, Volume]:
-    """Return the region in a box that its surroundings do not win, the noise there, and how likely voxels are in it."""
+def _hangs_together(values: FloatArray, region: BoolArray, scale: float) -> bool:
+    """Tell whether neighbours in a region are more alike than those on both sides of its border."""
+    across, within_ = [0.0, 0], [0.0, 0]
+    for axis in range(3):
+        links = np.exp(np.abs(np.diff(values, axis=axis)) / -scale)
+        first, second = (np.take(region, np.arange(a, region.shape[axis] - 1 + a), axis=axis) for a in (0, 1))
+        for found, which in ((across, first != second), (within_, first & second)):
+            found[0] += float(links[which].sum(dtype=np.float64))
+            found[1] += int(np.count_nonzero(which))
+    return across[0] * within_[1] < ALIKE * within_[0] * across[1]
+
+
+def _contested_region(
+    volume: Volume, target: Target, box: NDArray[np.float64], grown: BoolArray | None
+) -> tuple[BoolArray, float, Volume]:
+    """Return the region in a box that its surroundings do not win, the noise there, and how likely voxels are in it.
+
+    What is known of the object is what has `grown` from a seed, or what is around it, or the middle of the box.
+    """
     usable = _in_box(volume, box)
     corners = np.argwhere(usable)
     middle = np.clip(np.array(_nearest(volume, target.seed)), corners[0], corners[-1])
@@ -303,11 +311,15 @@ def _contested_region(volume: Volume, target: Target, box: NDArray[np.float64]) 
     spread = float(np.ptp(np.percentile(smooth[usable], (1.0, 99.0))))
     if not spread > 0:
         raise _nothing(target.seed, "everything in the box has the same intensity")
-    noise = max(_noise_around(smooth, middle), spread / (LEVELS * FINENESS))
+    noise = max(_noise_around(smooth, middle), LEAST_NOISE * spread)
     share = float(np.count_nonzero(usable)) / LARGEST_CONTEST
     coarse = averaged(volume, share ** (1 / 3) * max(volume.spacing)) if share > 1.0 else volume
-    given = np.array(_nearest(coarse, volume.to_world(middle))) if target.pointed else None
-    likely = Volume(compete(np.asarray(coarse.data, dtype=np.float32), _in_box(coarse, box), given), coarse.affine)
+    contested, known = _in_box(coarse, box), None
+    if grown is not None:
+        known = Volume(grown.astype(np.float32), volume.affine).resampled_to(coarse, fill=0.0).data >= 0.5
+    elif target.pointed:
+        known = around(contested, np.array(_nearest(coarse, volume.to_world(middle))))
+    likely = Volume(compete(np.asarray(coarse.data, dtype=np.float32), contested, known), coarse.affine)
     if coarse is not volume:
         likely = likely.resampled_to(volume, fill=0.0)
     labels, _ = ndimage.label((likely.data > 0.5) & usable)
@@ -321,8 +333,8 @@ def _contested_region(volume: Volume, target: Target, box: NDArray[np.float64]) 
 
 def _field_in_box(
     volume: Volume, inside: BoolArray, noise: float, usable: BoolArray, likely: Volume
-) -> tuple[FloatArray, Polarity, float, bool]:
-    """Return U, the polarity and the contrast of an object in a box, see `borders`, and whether U is of the walk.
+) -> tuple[FloatArray, Polarity, float, float]:
+    """Return U, the polarity and the contrast of an object in a box, see `borders`, and how far its values bear it out.
 
     Where no two values tell the object from what is around it (organs lie against others of like intensity, tumors are
     of several tissues), how likely voxels are in it does, which knows edges and the box as well.
@@ -333,13 +345,15 @@ def _field_in_box(
         if error.code != "no_object_found" or not (~inside).any():
             raise
         found = None
+    agreement = 0.0
     if found is not None:
         own = (found[0] > 0) & usable
-        if np.count_nonzero(own & inside) >= AGREEMENT * np.count_nonzero(own | inside):
-            return *found, False
+        agreement = float(np.count_nonzero(own & inside) / np.count_nonzero(own | inside))
+        if agreement >= AGREEMENT:
+            return *found, agreement
     share = np.clip(likely.resampled_to(volume, fill=0.0).data.astype(np.float32), 0.001, 0.999)
     polarity, contrast = _stands_out(volume, inside, noise) if found is None else found[1:]
-    return np.asarray(np.log(share / (1.0 - share))), polarity, contrast, True
+    return np.asarray(np.log(share / (1.0 - share))), polarity, contrast, agreement
 
 
 def _stands_out(volume: Volume, inside: BoolArray, noise: float) -> tuple[Polarity, float]:
@@ -359,26 +373,6 @@ def _noise_around(smooth: FloatArray, seed: NDArray[np.int64]) -> float:
     return _noise(smooth[around], middle)
 
 
-def _stillest(volume: NDArray[np.int64], most: int) -> int | None:
-    """Return the tolerance at which the region changes least: the first that is still, else the stillest there is."""
-    low = int(LEAST_TOLERANCE / FINENESS)
-    at = np.arange(low, int(LEVELS / STILL))
-    upper = np.minimum((at * STILL).astype(int), LEVELS - 1)
-    growth = np.log(np.maximum(volume[upper], 1)) - np.log(np.maximum(volume[(at / STILL).astype(int)], 1))
-    right = (volume[at] >= LEAST_REGION) & (volume[upper] <= most)
-    if not right.any():
-        return None
-    growth = np.where(right, growth, np.inf)
-    calm = np.flatnonzero(growth < CALM)
-    if not len(calm):
-        return int(at[int(np.argmin(growth))])
-    # The bottom of the first valley.
-    end = calm[0]
-    while end + 1 < len(growth) and growth[end + 1] < CALM:
-        end += 1
-    return int(at[calm[0] + int(np.argmin(growth[calm[0] : end + 1]))])
-
-
 def _in_box(volume: Volume, box: NDArray[np.float64]) -> BoolArray:
     """Tell which voxels lie in a box in RAS mm, at least one along each axis; it stays a box on the grid's axes."""
     corners = volume.to_index(np.array(np.meshgrid(*box.T, indexing="ij")).reshape(3, -1).T)
@@ -389,12 +383,12 @@ def _in_box(volume: Volume, box: NDArray[np.float64]) -> BoolArray:
     return inside
 
 
-def _gated(field: FloatArray, region: BoolArray, usable: BoolArray | None) -> tuple[BoolArray, BoolArray]:
+def _gated(field: FloatArray, region: BoolArray, usable: BoolArray) -> tuple[BoolArray, BoolArray]:
     """Return the object's voxels and where the surface may go: near voxels that are dense, connected to the region.
 
-    Neither leaves `usable`, the user's box.
+    Neither leaves `usable`.
     """
-    enhancing = field > 0 if usable is None else (field > 0) & usable
+    enhancing = (field > 0) & usable
     solid = dense(enhancing, 1.0) & ndimage.binary_erosion(enhancing)
     labels, _ = ndimage.label(solid)
     sizes = np.bincount(labels[region & solid], minlength=1)
@@ -402,7 +396,7 @@ def _gated(field: FloatArray, region: BoolArray, usable: BoolArray | None) -> tu
     core = labels == int(sizes.argmax()) if sizes.any() else enhancing & region
     if not core.any():
         core = region
-    allowed = within(core, REACH) if usable is None else within(core, REACH) & usable
+    allowed = within(core, REACH) & usable
     inside, _ = ndimage.label(enhancing & allowed)
     own = np.bincount(inside[core & enhancing], minlength=1)
     own[0] = 0

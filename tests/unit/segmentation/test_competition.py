@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from shapery_geometry.mask_metrics import intersection_over_union
-from shapery_segmentation.competition import compete
+from shapery_segmentation.competition import around, compete
 
 
 def ball(center: tuple[float, float, float], radius: float) -> np.ndarray:
@@ -82,6 +82,6 @@ def test_a_seed_tells_of_which_tissue_an_object_is_that_leaves_the_middle_of_its
     values = np.where(content, 150.0, np.where(truth, 50.0, -90.0)) + rng.normal(0.0, 12.0, truth.shape)
     seed = np.array((4, 15, 15))
     assert truth[tuple(seed)]
-    found = compete(values.astype(np.float32), box_of(truth), seed) > 0.5
+    found = compete(values.astype(np.float32), box_of(truth), around(box_of(truth), seed)) > 0.5
     assert intersection_over_union(found, truth) > 0.85
     assert intersection_over_union(compete(values.astype(np.float32), box_of(truth)) > 0.5, truth) < 0.7

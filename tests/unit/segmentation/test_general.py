@@ -13,7 +13,7 @@ from shapery_contracts.segmentation import SegmentationParams
 from shapery_geometry.mask_metrics import intersection_over_union
 from shapery_geometry.volume import Volume
 from shapery_segmentation import segment
-from shapery_segmentation._flood_kernels import flood
+from shapery_segmentation._flood_kernels import grow
 from shapery_segmentation.modes import choose_mode, looks_like_head
 from shapery_segmentation.phantoms import HeadPhantom
 from shapery_segmentation.phantoms.blob import BlobPhantom, blob_phantom
@@ -27,18 +27,27 @@ def blob(**options: object) -> BlobPhantom:
     return blob_phantom(np.random.default_rng(1), **options)  # type: ignore[arg-type]
 
 
-def test_the_flood_finds_the_least_tolerance_of_any_path() -> None:
-    cost = np.full((1, 3, 5), 9, dtype=np.uint16)
-    cost[0, 1] = (0, 3, 7, 1, 0)
-    cost[0, 0] = (9, 4, 4, 4, 9)
-    level = np.full(cost.shape, 65535, dtype=np.uint16)
-    counts = np.zeros(9, dtype=np.int64)
-    reached = flood(cost, np.array([[0, 1, 0]]), 100, level, counts)
-    # Around the 7 through the row of 4; what costs 9 is never entered.
-    np.testing.assert_array_equal(level[0, 1], (0, 3, 7, 4, 4))
-    assert reached == 8
-    assert counts.sum() == 8
-    assert (level[0, 2] == 65535).all()
+def test_a_region_grows_by_the_cheapest_path_and_its_links_are_told() -> None:
+    values = np.full((3, 4, 5), 40.0, dtype=np.float32)
+    values[1, 1] = (0.0, 1.0, 30.0, 2.0, 0.0)
+    values[1, 0] = (40.0, 3.0, 3.0, 3.0, 40.0)
+    order, held = np.empty(60, dtype=np.int64), np.empty(60)
+    assert grow(values, np.array([1, 1, 0]), 0.0, 1.0, 0.5, 2.0, 60, order, held) == 60
+    # Around the 30 through the row of 3, one after the other.
+    places = [tuple(int(i) for i in np.unravel_index(at, values.shape)) for at in order[:7]]
+    assert places == [(1, 1, 0), (1, 1, 1), (1, 0, 1), (1, 0, 2), (1, 0, 3), (1, 1, 3), (1, 1, 4)]
+    assert sorted(order.tolist()) == list(range(60))
+    inside = np.zeros(values.shape, dtype=np.bool_)
+    for at, told in zip(order, held, strict=True):
+        inside.ravel()[at] = True
+        expected = 0.0
+        for axis in range(3):
+            first = tuple(slice(None, -1) if a == axis else slice(None) for a in range(3))
+            second = tuple(slice(1, None) if a == axis else slice(None) for a in range(3))
+            links = np.exp(-np.abs(values[first] - values[second]) / 2.0)
+            expected += float(links[inside[first] != inside[second]].sum())
+        assert told == pytest.approx(expected, abs=1e-4)
+    assert grow(values, np.array([1, 1, 0]), 0.0, 1.0, 0.5, 2.0, 9, order, held) == 9
 
 
 @pytest.mark.parametrize("polarity", ["bright", "dark"])
