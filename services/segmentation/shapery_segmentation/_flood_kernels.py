@@ -10,28 +10,19 @@ from numpy.typing import NDArray
 
 
 @numba.njit(cache=True)
-def _links(values, at, shape, scale, inside):  # type: ignore[no-untyped-def]
-    """Return by how much the links across the border grow when a voxel joins the region."""
-    ni, nj, nk = shape
-    k = at % nk
-    j = (at // nk) % nj
-    i = at // (nk * nj)
-    change = 0.0
-    for side in range(6):
-        a, b, c = i, j, k
-        step = 1 if side % 2 else -1
-        if side < 2:
-            a += step
-        elif side < 4:
-            b += step
-        else:
-            c += step
-        if a < 0 or b < 0 or c < 0 or a >= ni or b >= nj or c >= nk:
-            continue
-        neighbour = (a * nj + b) * nk + c
-        link = np.exp(-abs(values[neighbour] - values[at]) / scale)
-        change += -link if inside[neighbour] else link
-    return change
+def _neighbour(at: int, side: int, ni: int, nj: int, nk: int) -> int:
+    """Return the number of the voxel beyond one of the six sides of a voxel, or −1 at the end of the array."""
+    a, b, c = at // (nk * nj), (at // nk) % nj, at % nk
+    step = 1 if side % 2 else -1
+    if side < 2:
+        a += step
+    elif side < 4:
+        b += step
+    else:
+        c += step
+    if a < 0 or b < 0 or c < 0 or a >= ni or b >= nj or c >= nk:
+        return -1
+    return (a * nj + b) * nk + c
 
 
 @numba.njit(cache=True)
@@ -79,30 +70,21 @@ def grow(
         if inside[at]:
             continue
         inside[at] = True
-        total += _links(flat, at, values.shape, scale, inside)
         order[count] = at
-        held[count] = total
-        count += 1
-        k = at % nk
-        j = (at // nk) % nj
-        i = at // (nk * nj)
         for side in range(6):
-            a, b, c = i, j, k
-            way = 1 if side % 2 else -1
-            if side < 2:
-                a += way
-            elif side < 4:
-                b += way
-            else:
-                c += way
-            if a < 0 or b < 0 or c < 0 or a >= ni or b >= nj or c >= nk:
+            neighbour = _neighbour(at, side, ni, nj, nk)
+            if neighbour < 0:
                 continue
-            neighbour = (a * nj + b) * nk + c
+            link = np.exp(-abs(flat[neighbour] - flat[at]) / scale)
             if inside[neighbour]:
+                total -= link
                 continue
+            total += link
             off = (flat[neighbour] - center) / unlike
             price = np.float32(so_far + step + off * off)
             if price < cost[neighbour]:
                 cost[neighbour] = price
                 heapq.heappush(queue, (price, neighbour))
+        held[count] = total
+        count += 1
     return count
