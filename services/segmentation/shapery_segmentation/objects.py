@@ -42,14 +42,11 @@ COMPACT = (1.7, 0.12)
 """Centre and width of a step in the spread of an object (see `spread`): tumors have 0.8 to 1.4, trees of sinuses and
 veins 2.4 and more."""
 
-HOPELESS = 0.01
-"""Likelihood of its shape below which a region that still grows is not followed farther."""
-
 DISTINCT = (2.4, 0.15)
 """Centre and width of a step in the contrast of an object to its surroundings (see `shapery_segmentation.gate`). Normal
 tissue that a bias field raised has 1.7 to 2.0; the weakest tumors with expert labels have 2.9."""
 
-LEAST_SHARE = 0.15
+LEAST_SHARE = 0.2
 """Share of an object that must have evidence of its own; below, what evolved is not what was found."""
 
 LEAST_CONFIDENCE = 0.5
@@ -152,7 +149,7 @@ def recover(
             free,
             seed,
             brain.grid.spacing,
-            hopeless=(lambda inside: _hopeless(inside, brain.grid.spacing)) if automatic else None,
+            likely_shape=(lambda inside: _likely_shape(inside, brain.grid.spacing)) if automatic else None,
         )
         confidence = _judge(candidate, region, weight, brain, calibration)
         if automatic and confidence < LEAST_CONFIDENCE:
@@ -192,10 +189,11 @@ def _judge(candidate: Candidate, region: Region, weight: FloatArray, brain: Brai
     by itself, however large it is.
     """
     own = weight[region.box][region.inside]
-    evidence = candidate.evidence_mm3
-    if candidate.seeded_by == "user":
-        # The seed is a few voxels; what it reached must speak for itself.
-        evidence = float(own[own > LEAST_WEIGHT].sum()) * brain.grid.spacing**3
+    evidence = float(own[own > LEAST_WEIGHT].sum()) * brain.grid.spacing**3
+    if candidate.seeded_by == "automatic":
+        # What a strict gate left out says nothing for the region. A user's seed is a few voxels: there what it reached
+        # must speak for itself.
+        evidence = min(evidence, candidate.evidence_mm3)
     spacing = brain.grid.spacing
     core = _core(region.inside, spacing)
     stands_out = contrast(calibration.field[region.box], brain.mask[region.box], region.inside, core, spacing)
@@ -218,9 +216,10 @@ def _compact(core: BoolArray) -> float:
     return _logistic((COMPACT[0] - spread(core)) / COMPACT[1])
 
 
-def _hopeless(inside: BoolArray, spacing: float) -> bool:
-    """Return whether a region that still grows is a tree or a sheet already; what it encloses costs more to find."""
-    return _compact(inside) < HOPELESS and _compact(_core(inside, spacing)) < HOPELESS
+def _likely_shape(inside: BoolArray, spacing: float) -> float:
+    """Return how likely a tumor has the shape of a region, by itself or with what it encloses; in [0, 1]."""
+    bare = _compact(inside)
+    return bare if bare >= 0.5 else max(bare, _compact(_core(inside, spacing)))
 
 
 def _logistic(x: float) -> float:

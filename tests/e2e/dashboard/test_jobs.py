@@ -134,7 +134,8 @@ def test_two_tabs_agree(open_page: OpenPage, probe: Probe) -> None:
 
 
 def test_pages_and_filters(open_page: OpenPage, api: httpx.Client) -> None:
-    items = [{"inputs": {}, "params": {"seed": seed}} for seed in range(60)]
+    # Long enough that most of them are still there to be cancelled.
+    items = [{"inputs": {}, "params": {"seed": seed, "steps": 40, "step_seconds": 0.5}} for seed in range(60)]
     batch = api.post("/v1/batches", json={"kind": "probe", "params": {}, "items": items}).json()["id"]
     listed = [job["id"] for job in api.get("/v1/jobs", params={"limit": 60}).json()["items"]]
     page = open_page("/jobs")

@@ -89,7 +89,9 @@ def test_nothing_survives_a_killed_supervisor_and_the_next_one_continues(tmp_pat
         stack = running.stack
         running.start("--service", "probe")
         record = running.wait_until_ready()
-        jobs = [stack.submit(artifacts=ARTIFACTS, seed=seed, steps=2, step_seconds=0.3) for seed in range(6)]
+        # The first is long enough to be seen running.
+        steps = (12, *[2] * 5)
+        jobs = [stack.submit(artifacts=ARTIFACTS, seed=seed, steps=steps[seed], step_seconds=0.3) for seed in range(6)]
         stack.wait_until_running(jobs[0])
         os.kill(running.pid, signal.SIGKILL)
         began = time.monotonic()

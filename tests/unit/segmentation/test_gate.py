@@ -97,23 +97,52 @@ def test_reach_gives_up_what_has_left_its_box_and_is_no_object() -> None:
     seed = ball((10, 30, 30), 3)
     asked: list[int] = []
 
-    def hopeless(inside: np.ndarray) -> bool:
+    def hopeless(inside: np.ndarray) -> float:
         asked.append(int(inside.sum()))
-        return True
+        return 0.0
 
-    region = reach(field, brain, seed, 1.0, hopeless=hopeless)
-    assert asked == [int(region.inside.sum())]
-    whole = reach(field, brain, seed, 1.0, hopeless=lambda inside: False)
+    region = reach(field, brain, seed, 1.0, likely_shape=hopeless)
+    assert asked[0] == int(region.inside.sum())
+    whole = reach(field, brain, seed, 1.0, likely_shape=lambda inside: 1.0)
     assert asked[0] < whole.inside.sum() == tube(6).sum()
-    # What lies in its first box is not asked about.
-    reach(
-        np.where(ball((35, 30, 30), 8), 5.0, 0.0).astype(np.float32),
-        brain,
-        ball((35, 30, 30), 3),
-        1.0,
-        hopeless=hopeless,
-    )
+    # What lies in its first box is asked about in the end only.
+    asked.clear()
+    small = np.where(ball((35, 30, 30), 8), 5.0, 0.0).astype(np.float32)
+
+    def likely(inside: np.ndarray) -> float:
+        asked.append(int(inside.sum()))
+        return 1.0
+
+    reach(small, brain, ball((35, 30, 30), 3), 1.0, likely_shape=likely)
     assert len(asked) == 1
+
+
+def test_what_is_reached_through_a_thick_sheet_is_left_out_again() -> None:
+    # Meninges that slices of 3 mm have made thick: too dense for the usual gate.
+    tumor = ball((30, 30, 30), 12)
+    sheet = (INDEX[..., 0] >= 41) & (INDEX[..., 0] < 44)
+    field = np.where(tumor | sheet, 6.0, 0.0).astype(np.float32)
+    brain = np.ones(SHAPE, dtype=bool)
+    assert connected(dense(tumor | sheet, 1.0) & eroded(tumor | sheet), tumor)[42, 5, 5]
+    region = reach(field, brain, ball((30, 30, 30), 4), 1.0)
+    inside = np.zeros(SHAPE, bool)
+    inside[region.box] = region.inside
+    # A stub of the sheet within reach of the tumor is left.
+    assert intersection_over_union(inside, tumor) > 0.85
+    # The same where the shape is refused.
+    kept = reach(
+        field, brain, ball((30, 30, 30), 4), 1.0, likely_shape=lambda there: float(there.sum() < 1.2 * tumor.sum())
+    )
+    assert intersection_over_union(kept.inside, tumor[kept.box]) > 0.85
+
+
+def test_a_weak_margin_is_no_leak() -> None:
+    tumor, margin = ball((30, 30, 30), 9), ball((30, 30, 40), 9)
+    rng = np.random.default_rng(6)
+    field = np.where(tumor, 5.0, np.where(margin, 2.6, 0.0)).astype(np.float32) + rng.normal(0, 0.7, SHAPE).astype("f4")
+    field = ndimage.gaussian_filter(field, 0.6)
+    region = reach(field, np.ones(SHAPE, bool), ball((30, 30, 30), 4), 1.0)
+    assert intersection_over_union(region.inside, (tumor | margin)[region.box]) > 0.85
 
 
 def test_reach_of_a_speck_is_the_speck() -> None:
