@@ -47,6 +47,19 @@ LEVEL_RANGE = (1.2, 2.25)
 """Bounds of the threshold in units of the calibrated difference: below, normal tissue begins; above, a bright tumor
 would lose the margin that is anything but normal."""
 
+FARTHEST_RIM = 30.0
+"""mm beyond the box of a region in which the thin part of its rim is looked for."""
+
+MORE_ENCLOSED = 1.02
+"""Growth of what a region encloses, relative, from which its rim is looked at again."""
+
+ROUNDER = 0.9
+"""A rim is followed where it is thin if the raggedness of the whole falls below this share. Where rims closed it
+fell to 0.73 to 0.86; where meninges were reached it rose."""
+
+CLOSING_ROUNDS = 4
+"""How often what a rim encloses and how far it reaches are made from each other at the most."""
+
 MANY = 20_000
 """Voxels from which on an object's surroundings are looked at in every other voxel along each axis."""
 
@@ -55,6 +68,9 @@ HOPELESS = 0.01
 
 SURROUNDINGS = (2.0, 6.0)
 """mm from an object at which the shell around it begins, past the border's partial volume, and ends."""
+
+LEAST_CONTRAST = 2.4
+"""Contrast (see `contrast`) below which a region is no object, whatever its gate: meninges stand out."""
 
 LEAST_CONTRAST_KEPT = 0.85
 """Share of its contrast that a region must keep when the threshold falls. The weaker parts of a tumor leave the
@@ -208,19 +224,43 @@ def reach(
     connected to the inside. The threshold falls as the region takes in weaker parts; the gate keeps it from taking in
     everything, and a step that costs more than 15 % of the contrast to the surroundings is not taken. All this is done
     in a box around the seed; as soon as the region gets near its end, it begins again in a larger one. If the gate
-    leaks all the same, a stricter one takes its place.
+    leaks all the same, a stricter one takes its place. In the end the rim around what the region encloses is followed
+    where it is thinner than the gate lets through (see `_closed`).
     """
+    region, density = _tight(field, brain, seed, spacing, rounds, likely_shape)
+    if density is None:
+        return region
+    return _closed(field, brain, region, spacing, density) or region
+
+
+def _tight(
+    field: FloatArray,
+    brain: BoolArray,
+    seed: BoolArray,
+    spacing: float,
+    rounds: int,
+    likely_shape: Callable[[BoolArray], float] | None,
+) -> tuple[Region, float | None]:
+    """Return the region of the loosest gate that does not leak, and that gate's density: None if it is no object."""
     region = _reach(field, brain, seed, spacing, rounds, likely_shape, LEAST_DENSITY)
     lost = likely_shape is not None and likely_shape(region.inside) < 0.5
+    if lost and likely_shape is not None and likely_shape(seed[box_around(seed, seed.shape, 0)]) < 0.5:
+        # A tree or a sheet from the beginning.
+        return region, None
+    stands_out = _contrast_of(field, brain, region, spacing)
+    if stands_out < LEAST_CONTRAST:
+        return region, None
     for density in STRICTER if lost else _promising(field, brain, region, seed, spacing):
         stricter = _reach(field, brain, seed, spacing, rounds, likely_shape, density)
         if lost and likely_shape is not None:
             taken = likely_shape(stricter.inside) >= 0.5
         else:
-            taken = _better(field, brain, stricter, region, spacing)
+            taken = _rounder(stricter, region, LEAK, spacing) and stands_out <= _contrast_of(
+                field, brain, stricter, spacing
+            )
         if taken:
-            return stricter
-    return region
+            return stricter, density
+    return region, None if lost else LEAST_DENSITY
 
 
 def _raggedness(whole: BoolArray) -> float:
@@ -247,14 +287,73 @@ def _promising(field: FloatArray, brain: BoolArray, region: Region, seed: BoolAr
             yield density
 
 
-def _better(field: FloatArray, brain: BoolArray, stricter: Region, region: Region, spacing: float) -> bool:
-    """Return whether the region of a stricter gate is less ragged by far, and stands out no less."""
-    ragged, stands_out = [], []
-    for each in (stricter, region):
-        whole = _whole(each.inside, spacing)
-        ragged.append(_raggedness(whole))
-        stands_out.append(contrast(field[each.box], brain[each.box], each.inside, whole, spacing))
-    return ragged[0] < LEAK * ragged[1] and stands_out[0] >= stands_out[1]
+def _rounder(one: Region, other: Region, share: float, spacing: float) -> bool:
+    """Return whether a region has less than a share of the raggedness of another, both with what they enclose."""
+    first, second = (_raggedness(_whole(each.inside, spacing)) for each in (one, other))
+    return first < share * second
+
+
+def _contrast_of(field: FloatArray, brain: BoolArray, region: Region, spacing: float) -> float:
+    """Return how far a region stands out from what surrounds it and what it encloses (see `contrast`)."""
+    whole = _whole(region.inside, spacing)
+    return contrast(field[region.box], brain[region.box], region.inside, whole, spacing)
+
+
+def _closed(field: FloatArray, brain: BoolArray, region: Region, spacing: float, density: float) -> Region | None:
+    """Return a region whose rim is followed to where it is a thin sheet; None if that makes it no rounder.
+
+    The rim around a necrosis is often thinner than what the gate lets through. But on one side of it is what the object
+    encloses, where a meninx has none: the gate is asked once more, with the enclosed voxels counted as object. Enclosed
+    is what all enhancing voxels that are connected to the region enclose, as far as that is connected to what the
+    region itself does.
+    """
+    known = fill_enclosed(region.inside, spacing)
+    if not known.any():
+        return None
+    ragged = ROUNDER * _raggedness(known | region.inside)
+    closed: Region | None = None
+    for _ in range(CLOSING_ROUNDS):
+        usable = brain[region.box]
+        enhancing = (field[region.box] > region.threshold) & usable
+        hollow = _whole(connected(enhancing, region.inside), spacing) & ~enhancing & usable
+        hollow = connected(hollow | known, known)
+        if np.count_nonzero(hollow) <= MORE_ENCLOSED * np.count_nonzero(known):
+            break
+        if closed is None:
+            # The first look was at the box that the region came with.
+            region, (hollow, enhancing) = _in_larger_box(field, brain, region, round(FARTHEST_RIM / spacing), hollow)
+            usable = brain[region.box]
+        full = enhancing | hollow
+        core = connected(full & (_density(full, spacing) > density) & eroded(full), region.inside)
+        allowed = region.allowed | (within(core, REACH / spacing) & usable)
+        inside = connected(enhancing & allowed, region.inside)
+        rounder = _raggedness(_whole(inside, spacing))
+        if rounder >= ragged:
+            break
+        ragged = rounder
+        region = closed = replace(region, inside=inside, allowed=allowed)
+        known = hollow
+    return closed
+
+
+def _in_larger_box(
+    field: FloatArray, brain: BoolArray, region: Region, margin: int, hollow: BoolArray
+) -> tuple[Region, tuple[BoolArray, BoolArray]]:
+    """Return a region, and what it encloses and what enhances, in a box that is larger by a margin on all sides."""
+    i, j, k = (
+        slice(max(b.start - margin, 0), min(b.stop + margin, n)) for b, n in zip(region.box, brain.shape, strict=True)
+    )
+    place = tuple(
+        slice(b.start - wide.start, b.stop - wide.start) for b, wide in zip(region.box, (i, j, k), strict=True)
+    )
+
+    def moved(mask: BoolArray) -> BoolArray:
+        out = np.zeros(brain[i, j, k].shape, dtype=np.bool_)
+        out[place] = mask
+        return out
+
+    larger = replace(region, box=(i, j, k), inside=moved(region.inside), allowed=moved(region.allowed))
+    return larger, (moved(hollow), (field[i, j, k] > region.threshold) & brain[i, j, k])
 
 
 def _reach(

@@ -20,6 +20,7 @@ from shapery_segmentation.evolution import Frame, Recorder, Scene
 from shapery_segmentation.flow.normal import FlowState, NormalFlowParams, normal_flow
 from shapery_segmentation.gate import LEVEL_RANGE, Region, contrast, reach
 from shapery_segmentation.labels import close_seam, enhancing_part, fill_enclosed, fill_indentations
+from shapery_segmentation.neighborhoods import within
 from shapery_segmentation.seeding.ball import seed_ball, surface_of
 from shapery_segmentation.seeding.candidates import LEAST_WEIGHT, Candidate
 from shapery_segmentation.shrinking import shrinking_note
@@ -33,6 +34,10 @@ FINAL_EDGE = 1.0
 COARSE_EDGE, THIN_EDGE = 2.0, 1.5
 """Length of the edges while the surface is still on its way, relative to the final ones: where voxels of twice the size
 can hold the region, and where it is too thin for that."""
+
+THIN_RIM = 1.5
+"""mm from what an object encloses within which enhancing voxels of its region belong to its rim; thicker rims are the
+surface's matter."""
 
 HALF_CONFIDENCE_MM3 = 400.0
 """Evidence (mm³ weighted by it) at which a compact object is as likely a tumor as not. On cases with expert labels,
@@ -334,8 +339,11 @@ def _voxels(
     inside = rasterize(surface, Volume(start.field, start.affine))
     enhancing = start.field > threshold
     whole = close_seam(inside, enhancing & region.allowed, grid.spacing)
+    # Where the rim is thinner than the surface's triangles, what it encloses still tells which voxels are rim.
+    enclosed = fill_enclosed(whole | region.inside, grid.spacing)
+    whole |= region.inside & within(enclosed, THIN_RIM / grid.spacing)
     tissue = brain.mask[region.box]
-    core = (fill_enclosed(whole, grid.spacing) & tissue) | whole
+    core = (enclosed & tissue) | whole
     core |= fill_indentations(core, grid.spacing) & tissue
     bright = enhancing_part(whole, core & ~whole, enhancing)
 

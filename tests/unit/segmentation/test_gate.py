@@ -136,6 +136,23 @@ def test_what_is_reached_through_a_thick_sheet_is_left_out_again() -> None:
     assert intersection_over_union(kept.inside, tumor[kept.box]) > 0.85
 
 
+def test_a_rim_is_followed_where_it_is_thin_and_a_meninx_beside_it_is_not() -> None:
+    outer, necrosis = ball((35, 30, 30), 14), ball((37, 30, 30), 11)
+    rim = outer & ~necrosis
+    # 5 mm on the one side, 1 mm on the other; a sheet as bright touches it where it is thin.
+    sheet = np.abs(INDEX[..., 0] - 50) <= 0.6
+    field = np.where(rim | sheet, 6.0, 0.0).astype(np.float32)
+    region = reach(field, np.ones(SHAPE, bool), ball((23, 30, 30), 2), 1.0)
+    inside = np.zeros(SHAPE, bool)
+    inside[region.box] = region.inside
+    assert inside[rim].mean() > 0.97
+    assert (inside & sheet & ~rim).sum() < 0.05 * (sheet & ~rim).sum()
+    # An open cup encloses nothing on its other side, and stays as it is.
+    cup = rim & (INDEX[..., 0] <= 35)
+    region = reach(np.where(cup, 6.0, 0.0).astype(np.float32), np.ones(SHAPE, bool), ball((23, 30, 30), 2), 1.0)
+    assert not (region.inside & ~cup[region.box]).any()
+
+
 def test_a_weak_margin_is_no_leak() -> None:
     tumor, margin = ball((30, 30, 30), 9), ball((30, 30, 40), 9)
     rng = np.random.default_rng(6)

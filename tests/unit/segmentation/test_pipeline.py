@@ -261,3 +261,13 @@ def test_spread_tells_balls_from_trees() -> None:
     assert spread(np.linalg.norm(index, axis=-1) <= 15) == pytest.approx(np.sqrt(3 / 5), rel=0.01)
     assert spread(np.hypot(index[..., 0], index[..., 1]) <= 2) > 1.7
     assert 0 < spread(index.any(axis=-1) == 0) < 1.0
+
+
+def test_a_rim_that_is_thin_on_one_side_is_found_all_around() -> None:
+    # On the side of the ventricle this tumor's rim is one voxel wide.
+    phantom = head_phantom(np.random.default_rng(101))
+    found = segment(phantom.post, phantom.pre)
+    assert len(found.surfaces) == 1
+    core = np.isin(found.labels.data, (1, 2))
+    assert intersection_over_union(core, np.isin(phantom.truth.data, (1, 2))) > 0.93
+    assert intersection_over_union(found.labels.data == 1, phantom.truth.data == 1) > 0.87
