@@ -12,7 +12,19 @@ from pathlib import Path
 from typing import Any
 
 import benchmarks.segmentation as package
-from benchmarks.segmentation import ablation, beside, blobs, defects, growth, ours, page, settings, tables, vessels
+from benchmarks.segmentation import (
+    ablation,
+    beside,
+    blobs,
+    defects,
+    growth,
+    ours,
+    page,
+    settings,
+    tables,
+    variants,
+    vessels,
+)
 from benchmarks.segmentation.cache import Cache, digest, digest_sources
 from benchmarks.segmentation.cases import DATA, ROOT, Case, head_cases, real_cases
 from benchmarks.segmentation.peers import PEERS
@@ -67,6 +79,8 @@ def _measured(part: str, given: argparse.Namespace, real: Sequence[Case], cache:
         return vessels.measured(cache, digest(key, Path(vessels.__file__).read_text()))
     if part == "defects":
         return defects.measured(cache, digest(key, Path(defects.__file__).read_text()))
+    if part == "variants":
+        return variants.measured(list(real), cache, digest(key, Path(variants.__file__).read_text())) or None
     heads = [case for case in head_cases(given.cache) if _wanted(case, given.only)] if part in _WITH_HEADS else []
     if part == "ablation":
         rows = {c.name: cache.get(f"ablation {c.name}", key, lambda c=c: _ablation(c)) for c in [*real, *heads]}

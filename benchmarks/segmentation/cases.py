@@ -18,6 +18,9 @@ DATA = Path(os.environ.get("SHAPERY_TEST_DATA", ROOT.parent / "shared" / "data")
 MEASURED_MM3 = 4000.0
 """Enhancing tumor from which a case counts in the means; below lie tumors of a few voxels' width."""
 
+VISIBLE_MM3 = 1200.0
+"""Enhancing tumor that should be found at all."""
+
 WEAK = ("2013_21", "01479")
 """Cases whose tumor hardly enhances; the means are given with and without them."""
 

@@ -80,7 +80,7 @@ def compared(row: dict[str, Any], case: Case, out: Path) -> dict[str, Any]:
         "weak": case.weak,
         "enhancing": agreement(labels.data == 1, np.isin(reference, case.enhancing), labels),
         "core": agreement(np.isin(labels.data, (1, 2)), truth, labels),
-        "false_objects": sum(_false(item["centroid"], item["volume_mm3"], truth, labels) for item in row["objects"]),
+        "false_objects": sum(is_false(item["centroid"], item["volume_mm3"], truth, labels) for item in row["objects"]),
     }
 
 
@@ -90,7 +90,7 @@ def agreement(found: NDArray[np.bool_], reference: NDArray[np.bool_], grid: Volu
     return {key: value if isfinite(value) else None for key, value in measured.items()}
 
 
-def _false(centroid: list[float], volume: float, core: NDArray[np.bool_], grid: Volume) -> bool:
+def is_false(centroid: list[float], volume: float, core: NDArray[np.bool_], grid: Volume) -> bool:
     """Tell whether an object lies off the tumor: no core within the radius of the object's ball around its centre."""
     index = np.rint(grid.to_index(np.asarray(centroid))).astype(int)
     reach = np.maximum(np.ceil((3 * volume / (4 * np.pi)) ** (1 / 3) / np.array(grid.spacing)), 1).astype(int)

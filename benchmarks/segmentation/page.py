@@ -8,12 +8,12 @@ from pathlib import Path
 from statistics import mean
 from typing import Any
 
-from benchmarks.segmentation import ablation, defects, settings, tables, vessels
-from benchmarks.segmentation.cases import MEASURED_MM3
+from benchmarks.segmentation import ablation, defects, settings, tables, variants, vessels
+from benchmarks.segmentation.cases import MEASURED_MM3, VISIBLE_MM3
 
 Results = dict[str, Any]
 
-PARTS = ("real", "peers", "settings", "ablation", "defects", "phantoms", "vessels", "growth")
+PARTS = ("real", "variants", "peers", "settings", "ablation", "defects", "phantoms", "vessels", "growth")
 """In the order in which they are measured and shown."""
 
 
@@ -80,6 +80,8 @@ def document(results: Results) -> str:
             + ", ".join(f"{name} {value:.3f}" for name, value in loco.items())
             + ".",
         ]
+    if "variants" in results:
+        text += variants.section(results["variants"], MEASURED_MM3, VISIBLE_MM3)
     if "peers" in results:
         text += [
             "",
