@@ -30,6 +30,10 @@ misregistration of that volume; the share was measured on cases with expert labe
 SMOOTHING = 0.6
 """Standard deviation in mm of the Gaussian over the difference: less than a voxel, against noise alone."""
 
+LEFT_BY_SMOOTHING = 0.93
+"""Share of the deviation of the difference that this Gaussian leaves where there is no more than the usual noise (the
+median of cases with expert labels): one unit is the deviation before it, as far as it is not noise."""
+
 TRIM = 2.5
 """Residuals beyond this many deviations (vessels, the tumor itself, borders) take no part in the fit."""
 
@@ -125,9 +129,11 @@ class Comparison:
 
         Notes
         -----
-        With the slope a of the fit, U = G₀.₆ ∗ [(post − 0.65·a·pre − median) / (1.4826·MAD)], median and MAD over the
-        brain. Without `pre`, a = 0 and the median gives way to the 65th percentile, after `post` was divided by its own
-        local brightness: U then also carries the contrast between normal tissues.
+        With the slope a of the fit, D = G₀.₆ ∗ (post − 0.65·a·pre − median) and U = 0.93·D / (1.4826·MAD(D)), median
+        and MAD over the brain. The deviation is that of the smoothed difference: noise that the smoothing takes away
+        hides no tumor, and must not make the unit larger. Without `pre`, a = 0 and the median gives way to the 65th
+        percentile, after `post` was divided by its own local brightness: U then also carries the contrast between
+        normal tissues.
         """
         # A tumor brightens after contrast only; a falling fit means that the volumes are unlike, and must not be
         # amplified.
@@ -141,31 +147,29 @@ class Comparison:
                 every = max(1, len(terms) // DRIFT_SAMPLES)
                 drift = trimmed_drift(terms[::every], residual[::every])
                 residual = residual - terms @ drift
-        middle = float(np.median(residual))
-        noise = MAD_TO_SIGMA * float(np.median(np.abs(residual - middle)))
-        if not self.subtracted:
-            middle = float(np.percentile(residual, TISSUE_PERCENTILE))
-        if not noise > 0:
+        middle = float(np.percentile(residual, 50.0 if self.subtracted else TISSUE_PERCENTILE))
+        with np.errstate(invalid="ignore"):
+            field = self.after - np.float32(share) * self.reference if self.subtracted else self.after.copy()
+            if drift.any():
+                field -= _drift_on(self.after.shape, drift)
+            field -= np.float32(middle)
+        field[~self.mask] = 0.0
+        field = gaussian(field, SMOOTHING / self.spacing)
+        noise = _deviation(self._of(field)) / LEFT_BY_SMOOTHING
+        if not (_deviation(residual) > 0 and noise > 0):
             raise InvalidInput(
                 "invalid_volume",
                 "More than half of the brain has one and the same intensity.",
                 "Give the original volumes, not masks or heavily quantised copies.",
             )
-        with np.errstate(invalid="ignore"):
-            difference = self.after - np.float32(share) * self.reference if self.subtracted else self.after
-            if drift.any():
-                difference -= _drift_on(self.after.shape, drift)
-            field = (difference - np.float32(middle)) / np.float32(noise)
-        field[~self.mask] = 0.0
-        field = gaussian(field, SMOOTHING / self.spacing)
+        field /= np.float32(noise)
         return Calibration(field, self._normal(), self.slope, self.offset, noise, self.subtracted)
 
     def _normal(self) -> FloatArray:
         """Return `Calibration.before`."""
         values = self._of(self.reference)
-        centre = float(np.median(values))
-        spread = max(MAD_TO_SIGMA * float(np.median(np.abs(values - centre))), 1e-30)
-        normal = (self.reference - np.float32(centre)) / np.float32(spread)
+        spread = max(_deviation(values), 1e-30)
+        normal = (self.reference - np.float32(np.median(values))) / np.float32(spread)
         normal[~self.mask] = 0.0
         if not self.subtracted:
             # After contrast a tumor is bright itself: that says nothing about its tissue.
@@ -217,6 +221,11 @@ def compare(brain: Brain, post: Volume, pre: Volume | None) -> Comparison:
 def calibrate(brain: Brain, post: Volume, pre: Volume | None, *, without_drift: bool = False) -> Calibration:
     """Return the calibrated difference of two volumes: see `compare` and `Comparison.calibrated`."""
     return compare(brain, post, pre).calibrated(without_drift=without_drift)
+
+
+def _deviation(values: NDArray[np.float64]) -> float:
+    """Return 1.4826 times the median absolute deviation."""
+    return MAD_TO_SIGMA * float(np.median(np.abs(values - np.median(values))))
 
 
 def trimmed_drift(terms: NDArray[np.float64], residual: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -56,12 +56,23 @@ def test_field_does_not_depend_on_either_scale(head: HeadPhantom) -> None:
     np.testing.assert_allclose(other, field, atol=2e-3)
 
 
+def test_noise_that_is_smoothed_away_does_not_change_the_scale(head: HeadPhantom) -> None:
+    brain = find_brain(head.pre, head.post)
+    rim = brain.grid.sample(head.truth) == 1
+    quiet = calibrate(brain, head.post, head.pre)
+    rng = np.random.default_rng(7)
+    # Alone it has 1.2 of the difference's deviation: before the smoothing it makes that 1.6 times as large.
+    noise = rng.normal(0.0, 1.2 * quiet.noise, head.post.shape).astype(np.float32)
+    noisy = calibrate(brain, head.post.with_data(head.post.data + noise), head.pre)
+    assert np.median(noisy.field[rim]) > 0.75 * np.median(quiet.field[rim])
+
+
 def test_field_is_zero_in_normal_brain_and_high_in_the_rim(head: HeadPhantom) -> None:
     brain = find_brain(head.pre, head.post)
     calibration = calibrate(brain, head.post, head.pre)
     rim = brain.grid.sample(head.truth) == 1
     assert np.median(calibration.field[brain.mask]) == pytest.approx(0.0, abs=0.2)
-    assert np.median(calibration.field[rim]) > 3.0
+    assert np.median(calibration.field[rim]) > 2.5
     assert np.median(np.abs(calibration.field[brain.mask])) < 1.0
     assert (calibration.field[~brain.mask] <= calibration.field.max() / 2).all()
     assert calibration.subtracted
