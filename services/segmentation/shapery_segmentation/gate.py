@@ -102,6 +102,8 @@ class Region:
         What the threshold must not fall below, because the region would take in what surrounds it.
     ground
         Median of what surrounds the region.
+    stands_out
+        Its contrast to that (see `contrast`; of a large region every eighth voxel tells it).
     """
 
     box: tuple[slice, slice, slice]
@@ -110,6 +112,7 @@ class Region:
     threshold: float
     floor: float = LEVEL_RANGE[0]
     ground: float = 0.0
+    stands_out: float = 0.0
 
 
 def running_threshold(values: NDArray[np.floating], ground: float = 0.0) -> float:
@@ -227,40 +230,27 @@ def reach(
     leaks all the same, a stricter one takes its place. In the end the rim around what the region encloses is followed
     where it is thinner than the gate lets through (see `_closed`).
     """
-    region, density = _tight(field, brain, seed, spacing, rounds, likely_shape)
-    if density is None:
-        return region
-    return _closed(field, brain, region, spacing, density) or region
-
-
-def _tight(
-    field: FloatArray,
-    brain: BoolArray,
-    seed: BoolArray,
-    spacing: float,
-    rounds: int,
-    likely_shape: Callable[[BoolArray], float] | None,
-) -> tuple[Region, float | None]:
-    """Return the region of the loosest gate that does not leak, and that gate's density: None if it is no object."""
     region = _reach(field, brain, seed, spacing, rounds, likely_shape, LEAST_DENSITY)
     lost = likely_shape is not None and likely_shape(region.inside) < 0.5
     if lost and likely_shape is not None and likely_shape(seed[box_around(seed, seed.shape, 0)]) < 0.5:
         # A tree or a sheet from the beginning.
-        return region, None
-    stands_out = _contrast_of(field, brain, region, spacing)
-    if stands_out < LEAST_CONTRAST:
-        return region, None
-    for density in STRICTER if lost else _promising(field, brain, region, seed, spacing):
+        return region
+    if region.stands_out < LEAST_CONTRAST:
+        return region
+    whole = _whole(region.inside, spacing)
+    taken = LEAST_DENSITY
+    for density in STRICTER if lost else _promising(field, brain, region, whole, seed, spacing):
         stricter = _reach(field, brain, seed, spacing, rounds, likely_shape, density)
         if lost and likely_shape is not None:
-            taken = likely_shape(stricter.inside) >= 0.5
+            better = likely_shape(stricter.inside) >= 0.5
+            lost = not better
         else:
-            taken = _rounder(stricter, region, LEAK, spacing) and stands_out <= _contrast_of(
-                field, brain, stricter, spacing
-            )
-        if taken:
-            return stricter, density
-    return region, None if lost else LEAST_DENSITY
+            rounder = _raggedness(_whole(stricter.inside, spacing)) < LEAK * _raggedness(whole)
+            better = rounder and stricter.stands_out >= region.stands_out
+        if better:
+            region, whole, taken = stricter, _whole(stricter.inside, spacing), density
+            break
+    return region if lost else _closed(field, brain, region, whole, spacing, taken)
 
 
 def _raggedness(whole: BoolArray) -> float:
@@ -275,11 +265,13 @@ def _whole(inside: BoolArray, spacing: float) -> BoolArray:
     return fill_enclosed(inside, spacing) | inside
 
 
-def _promising(field: FloatArray, brain: BoolArray, region: Region, seed: BoolArray, spacing: float) -> Iterator[float]:
+def _promising(
+    field: FloatArray, brain: BoolArray, region: Region, whole: BoolArray, seed: BoolArray, spacing: float
+) -> Iterator[float]:
     """Yield the densities of gates that would have left much less ragged a region at the same threshold."""
     enhancing = (field[region.box] > region.threshold) & brain[region.box]
     solid, dense_there = eroded(enhancing), _density(enhancing, spacing)
-    ragged = _raggedness(_whole(region.inside, spacing))
+    ragged = _raggedness(whole)
     for density in STRICTER:
         core = connected(solid & (dense_there > density), seed[region.box])
         kept = region.inside & within(core, REACH / spacing)
@@ -287,73 +279,58 @@ def _promising(field: FloatArray, brain: BoolArray, region: Region, seed: BoolAr
             yield density
 
 
-def _rounder(one: Region, other: Region, share: float, spacing: float) -> bool:
-    """Return whether a region has less than a share of the raggedness of another, both with what they enclose."""
-    first, second = (_raggedness(_whole(each.inside, spacing)) for each in (one, other))
-    return first < share * second
-
-
-def _contrast_of(field: FloatArray, brain: BoolArray, region: Region, spacing: float) -> float:
-    """Return how far a region stands out from what surrounds it and what it encloses (see `contrast`)."""
-    whole = _whole(region.inside, spacing)
-    return contrast(field[region.box], brain[region.box], region.inside, whole, spacing)
-
-
-def _closed(field: FloatArray, brain: BoolArray, region: Region, spacing: float, density: float) -> Region | None:
-    """Return a region whose rim is followed to where it is a thin sheet; None if that makes it no rounder.
+def _closed(
+    field: FloatArray, brain: BoolArray, region: Region, whole: BoolArray, spacing: float, density: float
+) -> Region:
+    """Return a region whose rim is followed to where it is a thin sheet, or the region itself where that is no rounder.
 
     The rim around a necrosis is often thinner than what the gate lets through. But on one side of it is what the object
     encloses, where a meninx has none: the gate is asked once more, with the enclosed voxels counted as object. Enclosed
     is what all enhancing voxels that are connected to the region enclose, as far as that is connected to what the
-    region itself does.
+    region itself does; `whole` is the region with that.
     """
-    known = fill_enclosed(region.inside, spacing)
-    if not known.any():
-        return None
-    ragged = ROUNDER * _raggedness(known | region.inside)
-    closed: Region | None = None
-    for _ in range(CLOSING_ROUNDS):
-        usable = brain[region.box]
-        enhancing = (field[region.box] > region.threshold) & usable
-        hollow = _whole(connected(enhancing, region.inside), spacing) & ~enhancing & usable
+    known = whole & ~region.inside
+    ragged = before = _raggedness(whole)
+    closed = region
+    for number in range(CLOSING_ROUNDS):
+        if not known.any():
+            break
+        if number == 1:
+            # The first look was at the box that the region came with: where it leaks, that shows there.
+            closed, known = _in_larger_box(closed, known, brain.shape, round(FARTHEST_RIM / spacing))
+        usable = brain[closed.box]
+        enhancing = (field[closed.box] > closed.threshold) & usable
+        hollow = _whole(connected(enhancing, closed.inside), spacing) & ~enhancing & usable
         hollow = connected(hollow | known, known)
         if np.count_nonzero(hollow) <= MORE_ENCLOSED * np.count_nonzero(known):
             break
-        if closed is None:
-            # The first look was at the box that the region came with.
-            region, (hollow, enhancing) = _in_larger_box(field, brain, region, round(FARTHEST_RIM / spacing), hollow)
-            usable = brain[region.box]
         full = enhancing | hollow
-        core = connected(full & (_density(full, spacing) > density) & eroded(full), region.inside)
-        allowed = region.allowed | (within(core, REACH / spacing) & usable)
-        inside = connected(enhancing & allowed, region.inside)
+        core = connected(full & (_density(full, spacing) > density) & eroded(full), closed.inside)
+        allowed = closed.allowed | (within(core, REACH / spacing) & usable)
+        inside = connected(enhancing & allowed, closed.inside)
         rounder = _raggedness(_whole(inside, spacing))
         if rounder >= ragged:
             break
-        ragged = rounder
-        region = closed = replace(region, inside=inside, allowed=allowed)
-        known = hollow
-    return closed
+        closed, known, ragged = replace(closed, inside=inside, allowed=allowed), hollow, rounder
+    return closed if ragged < ROUNDER * before else region
 
 
 def _in_larger_box(
-    field: FloatArray, brain: BoolArray, region: Region, margin: int, hollow: BoolArray
-) -> tuple[Region, tuple[BoolArray, BoolArray]]:
-    """Return a region, and what it encloses and what enhances, in a box that is larger by a margin on all sides."""
-    i, j, k = (
-        slice(max(b.start - margin, 0), min(b.stop + margin, n)) for b, n in zip(region.box, brain.shape, strict=True)
-    )
+    region: Region, enclosed: BoolArray, shape: tuple[int, ...], margin: int
+) -> tuple[Region, BoolArray]:
+    """Return a region, and what it encloses, in a box that is larger by a margin on all sides."""
+    i, j, k = (slice(max(b.start - margin, 0), min(b.stop + margin, n)) for b, n in zip(region.box, shape, strict=True))
     place = tuple(
         slice(b.start - wide.start, b.stop - wide.start) for b, wide in zip(region.box, (i, j, k), strict=True)
     )
 
     def moved(mask: BoolArray) -> BoolArray:
-        out = np.zeros(brain[i, j, k].shape, dtype=np.bool_)
+        out = np.zeros([side.stop - side.start for side in (i, j, k)], dtype=np.bool_)
         out[place] = mask
         return out
 
     larger = replace(region, box=(i, j, k), inside=moved(region.inside), allowed=moved(region.allowed))
-    return larger, (moved(hollow), (field[i, j, k] > region.threshold) & brain[i, j, k])
+    return larger, moved(enclosed)
 
 
 def _reach(
@@ -436,5 +413,5 @@ def _reach_in(
         if abs(count - previous) <= 0.002 * count or _near_end(inside, box, brain.shape):
             break
         previous = count
-        last = Region(box, inside, allowed, threshold, ground=outside[0])
-    return Region(box, inside, allowed, threshold, ground=outside[0])
+        last = Region(box, inside, allowed, threshold, ground=outside[0], stands_out=stood_out)
+    return Region(box, inside, allowed, threshold, ground=outside[0], stands_out=_stands_out(values[inside], outside))
