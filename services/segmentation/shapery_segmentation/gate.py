@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from shapery_segmentation.labels import fill_enclosed
+from shapery_segmentation.labels import fill_enclosed, with_enclosed
 from shapery_segmentation.neighborhoods import box_around, connected, eroded, within, within_each
 from shapery_segmentation.smoothing import gaussian
 
@@ -237,7 +237,7 @@ def reach(
         return region
     if region.stands_out < LEAST_CONTRAST:
         return region
-    whole = _whole(region.inside, spacing)
+    whole = with_enclosed(region.inside, spacing)
     taken = LEAST_DENSITY
     for density in STRICTER if lost else _promising(field, brain, region, whole, seed, spacing):
         stricter = _reach(field, brain, seed, spacing, rounds, likely_shape, density)
@@ -245,10 +245,10 @@ def reach(
             better = likely_shape(stricter.inside) >= 0.5
             lost = not better
         else:
-            rounder = _raggedness(_whole(stricter.inside, spacing)) < LEAK * _raggedness(whole)
+            rounder = _raggedness(with_enclosed(stricter.inside, spacing)) < LEAK * _raggedness(whole)
             better = rounder and stricter.stands_out >= region.stands_out
         if better:
-            region, whole, taken = stricter, _whole(stricter.inside, spacing), density
+            region, whole, taken = stricter, with_enclosed(stricter.inside, spacing), density
             break
     return region if lost else _closed(field, brain, region, whole, spacing, taken)
 
@@ -258,11 +258,6 @@ def _raggedness(whole: BoolArray) -> float:
     wide = np.pad(whole, 1)
     faces = sum(int(np.count_nonzero(np.diff(wide, axis=axis))) for axis in range(3))
     return float(faces**1.5 / max(np.count_nonzero(whole), 1))
-
-
-def _whole(inside: BoolArray, spacing: float) -> BoolArray:
-    """Return a region and what it encloses."""
-    return fill_enclosed(inside, spacing) | inside
 
 
 def _promising(
@@ -275,7 +270,7 @@ def _promising(
     for density in STRICTER:
         core = connected(solid & (dense_there > density), seed[region.box])
         kept = region.inside & within(core, REACH / spacing)
-        if kept.any() and _raggedness(_whole(kept, spacing)) < LEAK * ragged:
+        if kept.any() and _raggedness(with_enclosed(kept, spacing)) < LEAK * ragged:
             yield density
 
 
@@ -300,7 +295,7 @@ def _closed(
             closed, known = _in_larger_box(closed, known, brain.shape, round(FARTHEST_RIM / spacing))
         usable = brain[closed.box]
         enhancing = (field[closed.box] > closed.threshold) & usable
-        hollow = _whole(connected(enhancing, closed.inside), spacing) & ~enhancing & usable
+        hollow = fill_enclosed(connected(enhancing, closed.inside), spacing) & ~enhancing & usable
         hollow = connected(hollow | known, known)
         if np.count_nonzero(hollow) <= MORE_ENCLOSED * np.count_nonzero(known):
             break
@@ -308,7 +303,7 @@ def _closed(
         core = connected(full & (_density(full, spacing) > density) & eroded(full), closed.inside)
         allowed = closed.allowed | (within(core, REACH / spacing) & usable)
         inside = connected(enhancing & allowed, closed.inside)
-        rounder = _raggedness(_whole(inside, spacing))
+        rounder = _raggedness(with_enclosed(inside, spacing))
         if rounder >= ragged:
             break
         closed, known, ragged = replace(closed, inside=inside, allowed=allowed), hollow, rounder
@@ -387,7 +382,7 @@ def _reach_in(
         step = 2 if np.count_nonzero(part) >= MANY else 1
         every = (slice(None, None, step),) * 3
         some = np.ascontiguousarray(part[every])
-        return surroundings(values[every], usable[every], _whole(some, step * spacing), step * spacing)
+        return surroundings(values[every], usable[every], with_enclosed(some, step * spacing), step * spacing)
 
     outside = around(inside)
     for _ in range(rounds):

@@ -85,6 +85,11 @@ def fill_enclosed(rim: BoolArray, spacing: float) -> BoolArray:
     return out
 
 
+def with_enclosed(rim: BoolArray, spacing: float) -> BoolArray:
+    """Return `rim` and the voxels that it encloses (see `fill_enclosed`)."""
+    return fill_enclosed(rim, spacing) | rim
+
+
 def fill_indentations(core: BoolArray, spacing: float) -> BoolArray:
     """Return the voxels outside of `core` most of whose surroundings are core, without the core itself.
 

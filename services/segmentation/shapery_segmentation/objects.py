@@ -19,7 +19,7 @@ from shapery_segmentation.calibration import Calibration
 from shapery_segmentation.evolution import Frame, Recorder, Scene
 from shapery_segmentation.flow.normal import FlowState, NormalFlowParams, normal_flow
 from shapery_segmentation.gate import LEVEL_RANGE, Region, contrast, reach
-from shapery_segmentation.labels import close_seam, enhancing_part, fill_enclosed, fill_indentations
+from shapery_segmentation.labels import close_seam, enhancing_part, fill_enclosed, fill_indentations, with_enclosed
 from shapery_segmentation.neighborhoods import within
 from shapery_segmentation.seeding.ball import seed_ball, surface_of
 from shapery_segmentation.seeding.candidates import LEAST_WEIGHT, Candidate
@@ -200,7 +200,7 @@ def _judge(candidate: Candidate, region: Region, weight: FloatArray, brain: Brai
         # must speak for itself.
         evidence = min(evidence, candidate.evidence_mm3)
     spacing = brain.grid.spacing
-    core = _core(region.inside, spacing)
+    core = with_enclosed(region.inside, spacing)
     stands_out = contrast(calibration.field[region.box], brain.mask[region.box], region.inside, core, spacing)
     share = min(1.0, float(own.mean()) / LEAST_SHARE)
     return (
@@ -211,11 +211,6 @@ def _judge(candidate: Candidate, region: Region, weight: FloatArray, brain: Brai
     )
 
 
-def _core(inside: BoolArray, spacing: float) -> BoolArray:
-    """Return the voxels of a region and those that it encloses."""
-    return fill_enclosed(inside, spacing) | inside
-
-
 def _compact(core: BoolArray) -> float:
     """Return how likely a tumor has such a shape, in [0, 1]."""
     return _logistic((COMPACT[0] - spread(core)) / COMPACT[1])
@@ -224,7 +219,7 @@ def _compact(core: BoolArray) -> float:
 def _likely_shape(inside: BoolArray, spacing: float) -> float:
     """Return how likely a tumor has the shape of a region, by itself or with what it encloses; in [0, 1]."""
     bare = _compact(inside)
-    return bare if bare >= 0.5 else max(bare, _compact(_core(inside, spacing)))
+    return bare if bare >= 0.5 else max(bare, _compact(with_enclosed(inside, spacing)))
 
 
 def _logistic(x: float) -> float:
