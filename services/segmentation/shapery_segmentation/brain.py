@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from shapery_contracts.errors import InvalidInput
+from shapery_geometry.concurrent import both
 from shapery_geometry.volume import Volume
-from shapery_segmentation.concurrent import both
+from shapery_segmentation.neighborhoods import depths, dilated, eroded, filled
 from shapery_segmentation.preparation import WorkingGrid, working_grid
 
 BoolArray = NDArray[np.bool_]
@@ -48,9 +49,6 @@ BIAS_SCALE = 25.0
 
 REGROWN, CLOSED = 8, 5
 """Coarse voxels by which the brain is grown back through tissue, and then closed over its sulci."""
-
-FACES = ndimage.generate_binary_structure(3, 1)
-BALL = ndimage.generate_binary_structure(3, 2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,33 +156,19 @@ def largest_part(mask: BoolArray) -> BoolArray:
     return np.asarray(labels == int(sizes.argmax()))
 
 
-def dilated(mask: BoolArray, steps: int) -> BoolArray:
-    """Return `mask` grown by voxels: alternating face and edge neighbours, nearly a ball."""
-    for step in range(steps):
-        mask = ndimage.binary_dilation(mask, BALL if step % 2 else FACES)
-    return mask
-
-
-def eroded(mask: BoolArray, steps: int) -> BoolArray:
-    """Return `mask` shrunk by voxels; what lies outside the array does not belong to it."""
-    for step in range(steps):
-        mask = ndimage.binary_erosion(mask, BALL if step % 2 else FACES)
-    return mask
-
-
 def closed(mask: BoolArray, steps: int) -> BoolArray:
     """Return `mask` with its gaps of up to twice `steps` voxels closed and its holes filled."""
     wide = np.pad(mask, steps + 1)
     wide = eroded(dilated(wide, steps), steps)
     inside = (slice(steps + 1, -steps - 1),) * 3
-    return np.asarray(ndimage.binary_fill_holes(wide)[inside] | mask)
+    return np.asarray(filled(wide)[inside] | mask)
 
 
 def _is_stripped(image: NDArray[np.float32], foreground: BoolArray) -> bool:
     """Tell whether the foreground is a brain alone: no larger than one, and without a bright skin around it."""
     if foreground.sum() * COARSE**3 > LARGEST_BRAIN:
         return False
-    depth = ndimage.distance_transform_edt(np.pad(foreground, 1))[1:-1, 1:-1, 1:-1] * COARSE
+    depth = depths(foreground) * COARSE
     inside = image[depth > UNDER_SKULL]
     if not inside.size:
         return True
@@ -198,7 +182,7 @@ def _strip(image: NDArray[np.float32], foreground: BoolArray) -> BoolArray:
     after an erosion (which cuts the bridges of meninges, nerves and vessels through the skull) are grown back.
     """
     head = closed(foreground, 3)
-    depth = ndimage.distance_transform_edt(np.pad(head, 1))[1:-1, 1:-1, 1:-1] * COARSE
+    depth = depths(head) * COARSE
     deep = head & (depth > min(30.0, 0.6 * float(depth.max())))
     if not deep.any():
         return np.zeros_like(foreground)

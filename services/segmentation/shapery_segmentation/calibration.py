@@ -7,6 +7,7 @@ one is fitted to the other first, and the difference is measured in units of the
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -163,10 +164,11 @@ class Comparison:
                 "Give the original volumes, not masks or heavily quantised copies.",
             )
         field /= np.float32(noise)
-        return Calibration(field, self._normal(), self.slope, self.offset, noise, self.subtracted)
+        return Calibration(field, self.before, self.slope, self.offset, noise, self.subtracted)
 
-    def _normal(self) -> FloatArray:
-        """Return `Calibration.before`."""
+    @cached_property
+    def before(self) -> FloatArray:
+        """What `Calibration.before` is."""
         values = self._of(self.reference)
         spread = max(_deviation(values), 1e-30)
         normal = (self.reference - np.float32(np.median(values))) / np.float32(spread)

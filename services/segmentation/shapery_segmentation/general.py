@@ -41,7 +41,7 @@ from shapery_segmentation.competition import around, compete
 from shapery_segmentation.evolution import Recorder, Scene
 from shapery_segmentation.flow.normal import FlowState, NormalFlowParams, normal_flow
 from shapery_segmentation.gate import REACH, dense
-from shapery_segmentation.neighborhoods import box_around, within
+from shapery_segmentation.neighborhoods import box_around, eroded, filled, within
 from shapery_segmentation.objects import THIN_EDGE, Recovered
 from shapery_segmentation.preparation import averaged
 from shapery_segmentation.seeding.ball import seed_ball, surface_of
@@ -224,15 +224,15 @@ def recover_object(
     if flow.vanished:
         raise _nothing(target.seed, "the surface that started there shrank to nothing")
     source = Volume(np.broadcast_to(np.zeros((), np.uint8), volume.shape), volume.affine)
-    filled = rasterize(flow.mesh, source)
-    if not drawn and np.count_nonzero(filled) > LARGEST_REGION * filled.size:
-        share = 100.0 * np.count_nonzero(filled) / filled.size
+    inside = rasterize(flow.mesh, source)
+    if not drawn and np.count_nonzero(inside) > LARGEST_REGION * inside.size:
+        share = 100.0 * np.count_nonzero(inside) / inside.size
         raise _nothing(
             target.seed, f"the surface that started there ran into its surroundings, {share:.0f} % of the volume"
         )
-    whole = ndimage.binary_fill_holes(filled)
+    whole = filled(inside)
     notes = [] if drawn or object_voxels[_nearest(part, target.seed)] else [ELSEWHERE]
-    if _touches_border(filled):
+    if _touches_border(inside):
         notes.append("It reaches the border of the volume: it may go on beyond.")
     note = shrinking_note(seed, flow.mesh, field, part.affine, flow.threshold)
     if note is not None:
@@ -242,8 +242,8 @@ def recover_object(
         seeded_by="user",
         confidence=float(1.0 - np.exp(-contrast / HALF_CONTRAST)),
         surface=flow.mesh,
-        inside=filled,
-        enclosed=np.asarray(whole & ~filled),
+        inside=inside,
+        enclosed=np.asarray(whole & ~inside),
         threshold=float(flow.threshold),
         iterations=int(flow.iterations),
         converged=bool(flow.converged),
@@ -275,7 +275,7 @@ def _grown_region(volume: Volume, point: NDArray[np.float64]) -> tuple[NDArray[n
         raise _nothing(point, "no region around it stands out: it runs into its surroundings at once")
     region = np.zeros(smooth.shape, dtype=np.bool_)
     region.ravel()[order[:size]] = True
-    region = ndimage.binary_fill_holes(region)
+    region = filled(region)
     if not _hangs_together(smooth, region, LINK * unit):
         raise _nothing(point, "no region around it stands out: what is next to it looks as it does")
     low, high = (np.array([f(i) for i in np.nonzero(region)]) for f in (np.min, np.max))
@@ -389,7 +389,7 @@ def _gated(field: FloatArray, region: BoolArray, usable: BoolArray) -> tuple[Boo
     Neither leaves `usable`.
     """
     enhancing = (field > 0) & usable
-    solid = dense(enhancing, 1.0) & ndimage.binary_erosion(enhancing)
+    solid = dense(enhancing, 1.0) & eroded(enhancing)
     labels, _ = ndimage.label(solid)
     sizes = np.bincount(labels[region & solid], minlength=1)
     sizes[0] = 0

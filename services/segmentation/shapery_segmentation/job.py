@@ -34,8 +34,8 @@ class SegmentationHandler:
         # Imported here: whoever only looks for the handler loads no numerics.
         from dataclasses import replace
 
+        from shapery_geometry.concurrent import at_once
         from shapery_geometry.volume_io import read_volume
-        from shapery_segmentation.concurrent import at_once
         from shapery_segmentation.evolution import evolution_bytes
         from shapery_segmentation.pipeline import segment
         from shapery_segmentation.report import write_outputs, write_report

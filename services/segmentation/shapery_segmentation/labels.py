@@ -6,11 +6,10 @@ import itertools
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
+from shapery_geometry.concurrent import both
 from shapery_segmentation import _label_kernels as kernels
-from shapery_segmentation.concurrent import both
-from shapery_segmentation.neighborhoods import box_around, within
+from shapery_segmentation.neighborhoods import box_around, dilated, filled, within
 from shapery_segmentation.smoothing import gaussian
 
 BoolArray = NDArray[np.bool_]
@@ -80,8 +79,8 @@ def fill_enclosed(rim: BoolArray, spacing: float) -> BoolArray:
     reaches = np.floor(SIGHT / lengths).astype(np.int64)
     counts = np.zeros(part.shape, dtype=np.uint8)
     steps = np.empty(tuple(n + 2 for n in part.shape), dtype=np.int16)
-    _, holes = both(lambda: kernels.count_rays(part, DIRECTIONS, reaches, steps, counts), lambda: _holes(part))
-    out[box] = ((counts >= ENCLOSED_FROM) | holes) & ~part
+    _, whole = both(lambda: kernels.count_rays(part, DIRECTIONS, reaches, steps, counts), lambda: filled(part))
+    out[box] = ((counts >= ENCLOSED_FROM) | whole) & ~part
     return out
 
 
@@ -131,11 +130,4 @@ def enhancing_part(rim: BoolArray, enclosed: BoolArray, enhancing: BoolArray) ->
     it, because its triangles and the distance that its fronts keep are of their size.
     """
     core = rim | enclosed
-    inner = ndimage.binary_erosion(core, ndimage.generate_binary_structure(3, 1), border_value=1)
-    return np.asarray((rim & ~inner) | (core & enhancing))
-
-
-def _holes(rim: BoolArray) -> BoolArray:
-    """Return the voxels that the border of the array cannot reach through faces without crossing `rim`."""
-    labels, _ = ndimage.label(np.pad(~rim, 1, constant_values=True))
-    return np.asarray(labels[1:-1, 1:-1, 1:-1] != labels[0, 0, 0]) & ~rim
+    return np.asarray((rim & dilated(~core)) | (core & enhancing))

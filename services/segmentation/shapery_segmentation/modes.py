@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-from scipy import ndimage
 
 from shapery_contracts.segmentation import SegmentationParams
 from shapery_geometry.volume import Volume
 from shapery_segmentation.brain import largest_part, otsu
+from shapery_segmentation.neighborhoods import filled
 from shapery_segmentation.preparation import working_grid
 
 COARSE = 4.0
@@ -57,7 +57,7 @@ def looks_like_head(volume: Volume) -> bool:
     if not known.any():
         return False
     tissue = largest_part(np.where(known, image, -np.inf) > otsu(image[known]))
-    tissue = ndimage.binary_fill_holes(tissue)
+    tissue = filled(tissue)
     index = np.argwhere(tissue)
     if not len(index):
         return False

@@ -1,4 +1,4 @@
-"""Sets of voxels: what lies within a distance, the box around them, what is connected."""
+"""Sets of voxels: what lies within a distance, grown and shrunk, the box around them, what is connected."""
 
 from __future__ import annotations
 
@@ -6,10 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from shapery_segmentation import _neighborhood_kernels as kernels
 
 BoolArray = NDArray[np.bool_]
+
+FARTHEST = 99
+"""Voxels along an axis beyond which no distance is told."""
 
 
 def within(mask: BoolArray, radius: float) -> BoolArray:
@@ -26,26 +30,59 @@ def within(mask: BoolArray, radius: float) -> BoolArray:
 
 def within_each(mask: BoolArray, radii: Sequence[float]) -> list[BoolArray]:
     """Return what `within` does for each of several radii."""
-    reach = int(max(radii))
-    if not 0 <= reach < 100:
-        raise ValueError(f"radii must lie in [0, 100) voxels, not {max(radii)}")
-    squared, room = np.empty(mask.shape, dtype=np.int16), np.empty(mask.shape, dtype=np.int16)
-    lines = np.empty((2, *mask.shape[:2]), dtype=np.bool_)
-    kernels.squared_distances(np.ascontiguousarray(mask), reach, lines, room, squared)
+    squared = _squared_distances(mask, int(max(radii)))
     return [squared <= np.int16(radius * radius) for radius in radii]
 
 
-def eroded(mask: BoolArray) -> BoolArray:
-    """Return the voxels of `mask` of which all six neighbours are in it, too; outside the grid nothing is."""
-    out = np.zeros_like(mask)
-    middle = out[1:-1, 1:-1, 1:-1]
-    middle[...] = mask[1:-1, 1:-1, 1:-1]
-    for axis in range(3):
-        for side in (slice(None, -2), slice(2, None)):
-            beside = [slice(1, -1)] * 3
-            beside[axis] = side
-            middle &= mask[tuple(beside)]
+def depths(mask: BoolArray) -> NDArray[np.float32]:
+    """Return the distance in voxels of each voxel of `mask` from the nearest that is outside; beyond the array all are.
+
+    Exact up to 99 voxels along each axis; (I, J, K) float32, 0 outside.
+    """
+    wide = np.pad(mask, 1)
+    squared = _squared_distances(~wide, min(FARTHEST, (min(wide.shape) + 1) // 2))
+    return np.sqrt(squared[1:-1, 1:-1, 1:-1], dtype=np.float32)
+
+
+def _squared_distances(mask: BoolArray, reach: int) -> NDArray[np.int16]:
+    """Return squared distances from `mask`, those farther than `reach` along an axis at least (`reach` + 1)²."""
+    if not 0 <= reach <= FARTHEST:
+        raise ValueError(f"distances must lie in [0, {FARTHEST + 1}) voxels, not {reach}")
+    squared, room = np.empty(mask.shape, dtype=np.int16), np.empty(mask.shape, dtype=np.int16)
+    lines = np.empty((2, *mask.shape[:2]), dtype=np.bool_)
+    kernels.squared_distances(np.ascontiguousarray(mask), reach, lines, room, squared)
+    return squared
+
+
+def dilated(mask: BoolArray, steps: int = 1) -> BoolArray:
+    """Return `mask` grown by voxels: alternating face and edge neighbours, nearly a ball."""
+    for step in range(steps):
+        x, y, z = (_widened(mask, axis) for axis in range(3))
+        if step % 2:
+            x, y, z = _widened(x, 1), _widened(y, 2), _widened(z, 0)
+        mask = x | y | z
+    return mask
+
+
+def eroded(mask: BoolArray, steps: int = 1) -> BoolArray:
+    """Return `mask` shrunk likewise; what lies outside the array does not belong to it."""
+    return ~dilated(np.pad(~mask, 1, constant_values=True), steps)[1:-1, 1:-1, 1:-1]
+
+
+def _widened(mask: BoolArray, axis: int) -> BoolArray:
+    """Return `mask` and both neighbours of its voxels along an axis."""
+    out = mask.copy()
+    ahead, behind = [slice(None)] * 3, [slice(None)] * 3
+    ahead[axis], behind[axis] = slice(1, None), slice(None, -1)
+    out[tuple(ahead)] |= mask[tuple(behind)]
+    out[tuple(behind)] |= mask[tuple(ahead)]
     return out
+
+
+def filled(mask: BoolArray) -> BoolArray:
+    """Return `mask` and its holes: what no way through faces leads to from outside the array without crossing it."""
+    labels, _ = ndimage.label(np.pad(~mask, 1, constant_values=True))
+    return np.asarray(labels[1:-1, 1:-1, 1:-1] != labels[0, 0, 0])
 
 
 def connected(mask: BoolArray, start: BoolArray) -> BoolArray:

@@ -21,9 +21,10 @@ from numpy.typing import NDArray
 
 from shapery_contracts.errors import InvalidInput
 from shapery_contracts.segmentation import Alignment, SegmentationParams, SegmentationResult, StageTime
+from shapery_geometry.concurrent import both
 from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.volume import Volume
-from shapery_segmentation.brain import find_brain
+from shapery_segmentation.brain import Brain, find_brain
 from shapery_segmentation.calibration import compare
 from shapery_segmentation.evolution import Frame, Scene, Show, numbered
 from shapery_segmentation.labels import ENCLOSED, MICROHEMORRHAGE, OBJECT, VESSEL
@@ -39,6 +40,7 @@ from shapery_segmentation.seeding.points import (
     check_points,
     check_vessel_seeds,
 )
+from shapery_segmentation.seeding.symmetry import find_symmetry
 
 Progress = Callable[[str, float, str], None]
 """Called with the name of a stage, the fraction of the whole work done, and a message."""
@@ -164,20 +166,30 @@ def segment(
     mode = choose_mode(post, params)
     alignments: list[Alignment] = []
     certainty = 1.0
+    brain: Brain | None = None
     with run.stage("register"):
         rng = np.random.default_rng(params.random_seed)
         if pre is not None and mode == "object":
             warnings.append("Any object is looked for in the volume after contrast alone; the other was not used.")
             pre = None
         if pre is not None:
-            pre, certainty = align(pre, post, "pre", params.register_volumes, alignments, warnings, rng=rng)
-            warnings += check_overlap(pre, post)
+            before = pre
+            (placed, certainty), brain = both(
+                lambda: align(before, post, "pre", params.register_volumes, alignments, warnings, rng=rng),
+                lambda: _brain_meanwhile(before, post),
+            )
+            if placed is not before:
+                pre, brain = placed, None
+            warnings += check_overlap(placed, post)
         run.check()
         if vessels is not None:
             vessels, _ = align(vessels, post, "vessels", params.register_volumes, alignments, warnings, rng=rng)
             check_overlap(post, vessels)
 
-    found = _objects(post, params, run, warnings) if mode == "object" else _tumors(post, pre, params, run, warnings)
+    if mode == "object":
+        found = _objects(post, params, run, warnings)
+    else:
+        found = _tumors(post, pre, brain, params, run, warnings)
     found = [replace(item, confidence=item.confidence * certainty) for item in found]
 
     labels = _labels(post, found)
@@ -219,18 +231,33 @@ def segment(
     )
 
 
+def _brain_meanwhile(pre: Volume, post: Volume) -> Brain | None:
+    """Return the brain as it is if `pre` need not be moved; None where it shows only then whether there is one."""
+    try:
+        return find_brain(pre, post)
+    except InvalidInput:
+        return None
+
+
 def _tumors(
-    post: Volume, pre: Volume | None, params: SegmentationParams, run: _Run, warnings: list[str]
+    post: Volume,
+    pre: Volume | None,
+    brain: Brain | None,
+    params: SegmentationParams,
+    run: _Run,
+    warnings: list[str],
 ) -> list[Recovered]:
-    """Return the enhancing tumors of a head, by falling confidence."""
+    """Return the enhancing tumors of a head, by falling confidence; the brain is looked for unless it is known."""
     with run.stage("calibrate"):
-        brain = find_brain(pre if pre is not None else post, post)
+        brain = brain or find_brain(pre if pre is not None else post, post)
         run.check()
         comparison = compare(brain, post, pre)
-        calibration = comparison.calibrated()
+        run.check()
+        mask, spacing = brain.mask, brain.grid.spacing
+        calibration, plane = both(comparison.calibrated, lambda: find_symmetry(comparison.before, mask, spacing))
 
     with run.stage("seed"):
-        search = find_candidates(calibration, brain.mask, brain.grid.spacing, check_cancelled=run.check)
+        search = find_candidates(calibration, mask, spacing, plane=plane, check_cancelled=run.check)
         candidates = list(search.candidates)
         if params.seeds:
             candidates = candidates_from_points(params.seeds, brain, calibration, search.weight, warnings)
@@ -257,9 +284,7 @@ def _tumors(
         if not found and not params.seeds and pre is not None:
             # A second look: what is small and weak may be hidden by a drift between the volumes.
             calibration = comparison.calibrated(without_drift=True)
-            search = find_candidates(
-                calibration, brain.mask, brain.grid.spacing, plane=search.plane, check_cancelled=run.check
-            )
+            search = find_candidates(calibration, mask, spacing, plane=plane, check_cancelled=run.check)
             candidates = list(search.candidates)
             found = recovered()
         if not found and not params.seeds:

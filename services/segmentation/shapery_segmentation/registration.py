@@ -24,10 +24,12 @@ from scipy import ndimage
 
 from shapery_contracts.errors import InvalidInput
 from shapery_contracts.segmentation import Alignment
+from shapery_geometry.concurrent import at_once, both
 from shapery_geometry.volume import Volume
 from shapery_segmentation import _registration_kernels as kernels
-from shapery_segmentation.concurrent import at_once, both
+from shapery_segmentation.neighborhoods import eroded, filled
 from shapery_segmentation.preparation import averaged
+from shapery_segmentation.smoothing import gaussian
 
 FloatArray = NDArray[np.float64]
 
@@ -374,10 +376,11 @@ def _arc(way: FloatArray) -> float:
 def _fine_structure(volume: Volume, points: FloatArray) -> tuple[NDArray[np.bool_], NDArray[np.float32]]:
     """Return which points lie deep in the head, and the volume there without its noise and its brightness."""
     sides = np.array(volume.spacing)
-    head = ndimage.binary_fill_holes(_head(volume))
-    inner = ndimage.binary_erosion(head, iterations=max(1, round(DEPTH / float(sides.min()))))
+    inner = filled(_head(volume))
+    for _ in range(max(1, round(DEPTH / float(sides.min())))):
+        inner = eroded(inner)
     deep = _sampled(Volume(inner.astype(np.float32), volume.affine), points)[0] > 0.9
-    fine, coarse = (ndimage.gaussian_filter(volume.data, sigma / sides) for sigma in BAND)
+    fine, coarse = (gaussian(volume.data, list(sigma / sides), truncate=4.0) for sigma in BAND)
     return deep, _sampled(Volume(fine - coarse, volume.affine), points)[0]
 
 

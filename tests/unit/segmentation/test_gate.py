@@ -8,7 +8,7 @@ from scipy import ndimage
 
 from shapery_geometry.mask_metrics import intersection_over_union
 from shapery_segmentation.gate import contrast, dense, reach, running_threshold
-from shapery_segmentation.neighborhoods import connected, eroded, within, within_each
+from shapery_segmentation.neighborhoods import connected, eroded
 
 SHAPE = (70, 60, 60)
 INDEX = np.stack(np.meshgrid(*map(np.arange, SHAPE), indexing="ij"), axis=-1)
@@ -30,34 +30,6 @@ def test_vessels_and_sheets_are_not_dense() -> None:
     assert not dense(sheet, 1.0).any()
     # In finer voxels the same millimetres are more of them.
     assert not dense(tube(3.0), 0.5).any()
-
-
-def test_within_is_the_distance_transform() -> None:
-    mask = np.random.default_rng(2).random((20, 19, 18)) < 0.01
-    for radius in (1.0, 2.9, 4.2):
-        np.testing.assert_array_equal(within(mask, radius), ndimage.distance_transform_edt(~mask) <= radius)
-    solid = np.pad(np.ones((6, 6, 6), bool), 5)
-    np.testing.assert_array_equal(within(solid, 2.9), ndimage.distance_transform_edt(~solid) <= 2.9)
-
-
-def test_several_radii_at_once_are_those_one_by_one() -> None:
-    mask = np.random.default_rng(3).random((9, 30, 12)) < 0.003
-    near, far = within_each(mask, (2.0, 6.5))
-    np.testing.assert_array_equal(near, within(mask, 2.0))
-    np.testing.assert_array_equal(far, within(mask, 6.5))
-    with pytest.raises(ValueError, match="radii"):
-        within(mask, 100.0)
-
-
-def test_erosion_and_connected_parts_are_those_of_scipy() -> None:
-    noise = ndimage.gaussian_filter(np.random.default_rng(4).normal(size=(20, 17, 23)), 1.5)
-    mask = noise > 0.1
-    np.testing.assert_array_equal(eroded(mask), ndimage.binary_erosion(mask))
-    labels, count = ndimage.label(mask)
-    assert count > 3
-    start = np.isin(labels, (1, 3)) & (np.random.default_rng(5).random(mask.shape) < 0.3)
-    start |= ~mask
-    np.testing.assert_array_equal(connected(mask, start), np.isin(labels, np.unique(labels[start & mask])) & mask)
 
 
 def test_threshold_runs_between_its_bounds() -> None:

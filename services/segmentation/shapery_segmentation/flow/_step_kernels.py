@@ -166,18 +166,41 @@ def _place_of_rest(state, v, here, speed, field, inverse, allowed, inverse_allow
     return place
 
 
-@inner
-def _propose(m, cells, state, counter, clear, field, inverse, allowed, inverse_allowed, dials, found,
-             target, movers):  # fmt: skip
+@kernel
+def propose(m, cells, state, counter, clear, field, inverse, allowed, inverse_allowed, dials, first, end, found,
+            target, movers):  # fmt: skip
     """Compute where the awake vertices would go, and freeze those that something has been in the way of for long.
+
+    Nothing of the mesh changes, and of the other arrays only the rows of these vertices: parts can be done at once.
+
+    Parameters
+    ----------
+    m, cells
+        Mesh and its faces sorted by cell.
+    state, counter : (V, 10) float64, (V, 7) int32
+    clear : (V,) int8
+        1 for vertices that nothing can be in the way of soon.
+    field, allowed : (I, J, K) float32, uint8
+        `allowed` may be empty: everything is.
+    inverse, inverse_allowed : (3, 4) float64
+        From RAS mm to index.
+    dials : Dials
+    first, end : int
+        Slots of vertices that are looked at.
+    found : (F,) int32
+        Room.
+    target : (V, 3) float64
+        Receives where they would go.
+    movers : (V,) int32
+        Receives which would go, from `first` on.
 
     Returns
     -------
     int
-        How many would go; written to `movers`, and where they go to `target`.
+        How many would go.
     """
     count = 0
-    for v in range(m.layout[VERTEX_TOP]):
+    for v in range(first, end):
         if m.vertices[v, OUT] < 0 or counter[v, MODE] != AWAKE:
             continue
         n, u, known = surround(m, v)
@@ -198,7 +221,7 @@ def _propose(m, cells, state, counter, clear, field, inverse, allowed, inverse_a
                 state[v, STEP] = 0.0
                 for axis in range(3):
                     target[v, axis] = p[axis]
-                movers[count] = v
+                movers[first + count] = v
                 count += 1
                 continue
         else:
@@ -252,7 +275,7 @@ def _propose(m, cells, state, counter, clear, field, inverse, allowed, inverse_a
         for axis in range(3):
             state[v, LAST + axis] = here[axis]
             target[v, axis] = p[axis]
-        movers[count] = v
+        movers[first + count] = v
         count += 1
     return count
 
@@ -293,9 +316,8 @@ def _settle(m, state, counter, dials):
 
 
 @kernel
-def step(m, cells, moves, batch, tick, state, counter, clear, field, inverse, allowed, inverse_allowed,
-         dials, target, movers):  # fmt: skip
-    """Move every awake vertex once, without a test of what moved (see `_motion_kernels.verify`).
+def step(m, cells, moves, batch, tick, state, counter, dials, target, movers, middle, counts):
+    """Move every vertex that `propose` says, without a test of what moved (see `shapery_segmentation.mesh.contacts`).
 
     Parameters
     ----------
@@ -303,17 +325,12 @@ def step(m, cells, moves, batch, tick, state, counter, clear, field, inverse, al
         Mesh and its faces sorted by cell.
     moves, batch, tick
         As `_motion_kernels.displace` takes them.
-    state, counter : (V, 10) float64, (V, 7) int32
-    clear : (V,) int8
-        1 for vertices that nothing can be in the way of soon.
-    field, allowed : (I, J, K) float32, uint8
-        `allowed` may be empty: everything is.
-    inverse, inverse_allowed : (3, 4) float64
-        From RAS mm to index.
-    dials : Dials
-    target : (V, 3) float64
-    movers : (V,) int32
-        Room.
+    state, counter, dials, target, movers
+        As `propose` takes and leaves them.
+    middle : int
+        Where the second part of `movers` begins.
+    counts : (int, int)
+        How many vertices `propose` named in both parts.
 
     Returns
     -------
@@ -322,10 +339,9 @@ def step(m, cells, moves, batch, tick, state, counter, clear, field, inverse, al
     way : float
         How far in mm the vertex that moved farthest has moved.
     """
-    count = _propose(
-        m, cells, state, counter, clear, field, inverse, allowed, inverse_allowed, dials, moves.found,
-        target, movers,
-    )  # fmt: skip
+    count = counts[0] + counts[1]
+    for i in range(counts[1]):
+        movers[counts[0] + i] = movers[middle + i]
     farthest = 0.0
     for i in range(count):
         v = movers[i]

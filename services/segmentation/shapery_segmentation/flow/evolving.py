@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapery_contracts.errors import InvalidInput
+from shapery_geometry.concurrent import both
 from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.volume import Volume
 from shapery_segmentation.flow import _repair_kernels as repair
@@ -20,7 +21,8 @@ from shapery_segmentation.flow.params import FlowResult, FlowState, NormalFlowPa
 from shapery_segmentation.flow.threshold import median_inside
 from shapery_segmentation.flow.topology import reconnected, without_remains
 from shapery_segmentation.mesh import _motion_kernels as motion
-from shapery_segmentation.mesh.arrays import LARGEST_RADIUS, SCALE
+from shapery_segmentation.mesh.arrays import LARGEST_RADIUS, SCALE, VERTEX_TOP
+from shapery_segmentation.mesh.contacts import MANY, verify
 from shapery_segmentation.mesh.dynamic_mesh import DynamicMesh
 
 SEED_ROUNDS = 12
@@ -249,9 +251,24 @@ class Evolution:
         if self.edges is not None:
             self.edges.follow(mesh.arrays.points[mesh.live, :3])
             field, inverse = self.edges.values, self.edges.inverse
+
+        def proposed(first: int, end: int) -> int:
+            count = steps.propose(
+                mesh.arrays, mesh.cells, self._state, self._counter, self._clear, field, inverse, self.allowed,
+                self.inverse, dials, first, end, mesh.moves.found[min(first, 1)], self._target, self._movers,
+            )  # fmt: skip
+            return int(count)
+
+        top = int(mesh.arrays.layout[VERTEX_TOP])
+        moving = np.flatnonzero(self._counter[:top, states.MODE] == states.AWAKE)
+        if len(moving) < MANY:
+            middle, counts = top, (proposed(0, top), 0)
+        else:
+            middle = int(moving[len(moving) // 2])
+            counts = both(lambda: proposed(0, middle), lambda: proposed(middle, top))
         awake, self.oscillating, way = steps.step(
             mesh.arrays, mesh.cells, mesh.moves, self._batch, mesh.next_batch(), self._state, self._counter,
-            self._clear, field, inverse, self.allowed, self.inverse, dials, self._target, self._movers,
+            dials, self._target, self._movers, middle, counts,
         )  # fmt: skip
         self._drift += way
         self._most_oscillating = max(self._most_oscillating, self.oscillating)
@@ -265,7 +282,7 @@ class Evolution:
         mesh, batch = self.mesh, self._batch
         self._batch = 0
         clear = mesh.moves.none if self.thorough else self._clear
-        back = motion.verify(mesh.arrays, mesh.cells, mesh.moves, batch, clear, self._drift)
+        back = verify(mesh.arrays, mesh.cells, mesh.moves, batch, clear, self._drift)
         if self._drift > motion.SORTED * mesh.arrays.bound[LARGEST_RADIUS]:
             self._drift = 0.0
         dials = self._dials(mesh.edge_length)

@@ -227,8 +227,8 @@ def measure_displaced(m, cells, moves, movers, n, batch, tick, sorted_in):
 
 
 @inner
-def _verify(m, cells, moves, batch, clear, drift):
-    """Do what `verify` says."""
+def _slack(m, moves):
+    """Return how far in mm the vertex has moved that moved farthest since the batch began."""
     slack = 0.0
     for i in range(moves.counts[0]):
         v = moves.movers[i]
@@ -236,41 +236,76 @@ def _verify(m, cells, moves, batch, clear, drift):
         for axis in range(3):
             way += (m.points[v, axis] - moves.old[v, axis]) ** 2
         slack = max(slack, way)
+    return np.sqrt(slack)
+
+
+@inner
+def _ready(m, cells, moves, drift):
+    """Do what `make_ready` says."""
     if drift > SORTED * np.float64(m.bound[LARGEST_RADIUS]):
         sort_faces(m, cells)
         drift = 0.0
-    slack = np.sqrt(slack) + drift
-    limit = OPPOSED if clear.shape[0] > 0 else ANY
+    return drift, _slack(m, moves) + drift
 
-    state, old, queue, found = moves.state, moves.old, moves.queue, moves.found
-    count = moves.counts[1]
-    # Nothing is put back on the way: those faces would be far from where they were sorted, and searches wide.
-    wrong = 0
-    for i in range(count):
+
+@inner
+def _suspect(m, cells, moves, batch, clear, drift, first, end, found):
+    """Do what `find_suspects` says."""
+    limit = OPPOSED if clear.shape[0] > 0 else ANY
+    wrong = first
+    stars = 3 * first
+    for i in range(first, end):
         f = np.int64(moves.faces[i])
         g = f
         if not _spoiled(m, f):
-            if _is_clear(m, f, clear):
-                continue
-            g = contact(m, cells, f, drift, batch, limit, found)
+            g = np.int64(-1) if _is_clear(m, f, clear) else contact(m, cells, f, drift, batch, limit, found)
         if g >= 0:
             moves.wrong[wrong, 0] = f
             moves.wrong[wrong, 1] = g
             wrong += 1
-    size = 0
-    for i in range(wrong):
-        size = _put_back(m, cells, np.int64(moves.wrong[i, 0]), batch, state, old, queue, size)
-        size = _put_back(m, cells, np.int64(moves.wrong[i, 1]), batch, state, old, queue, size)
-    for i in range(count):
-        # Each changed star is met from the half-edges that leave its centre; one of them is the one noted for it.
         for k in range(3):
-            h = 3 * np.int64(moves.faces[i]) + k
+            # Each changed star is met from the half-edges that leave its centre; one of them is the one noted for it.
+            h = 3 * f + k
             v = origin(m, h)
             if clear.shape[0] > 0 and clear[v] == 1:
                 continue
-            first = np.int64(m.vertices[v, OUT])
-            if h == first or (m.links[first // 3, STAMP] != batch and _first_stamped(m, first, batch) == h):
-                size = _mend_star(m, cells, v, batch, state, old, queue, size)
+            start = np.int64(m.vertices[v, OUT])
+            if h != start and (m.links[start // 3, STAMP] == batch or _first_stamped(m, start, batch) != h):
+                continue
+            if not is_graph(m, v):
+                moves.stars[stars] = v
+                stars += 1
+    return wrong, stars
+
+
+@inner
+def _put_suspects_back(m, cells, moves, batch, wrong, first, end, size):
+    """Put back the movers of the pairs of faces from `first` to `end`; return the new length of the queue."""
+    for i in range(first, end):
+        for k in range(2):
+            f = np.int64(wrong[i, k])
+            size = _put_back(m, cells, f, batch, moves.state, moves.old, moves.queue, size)
+    return size
+
+
+@inner
+def _mend_suspects(m, cells, moves, batch, first, end, size):
+    """Mend the stars from `first` to `end`; return the new length of the queue."""
+    for i in range(first, end):
+        v = np.int64(moves.stars[i])
+        size = _mend_star(m, cells, v, batch, moves.state, moves.old, moves.queue, size)
+    return size
+
+
+@inner
+def _settle(m, cells, moves, batch, limit, slack, middle, wrong, stars):
+    """Do what `put_back` says."""
+    state, old, queue, found = moves.state, moves.old, moves.queue, moves.found[0]
+    # Nothing was put back before: those faces would be far from where they were sorted, and searches wide.
+    size = _put_suspects_back(m, cells, moves, batch, moves.wrong, 0, wrong[0], 0)
+    size = _put_suspects_back(m, cells, moves, batch, moves.wrong, middle, wrong[1], size)
+    size = _mend_suspects(m, cells, moves, batch, 0, stars[0], size)
+    size = _mend_suspects(m, cells, moves, batch, 3 * middle, stars[1], size)
     done = 0
     while done < size:
         v = np.int64(queue[done])
@@ -295,8 +330,8 @@ def _verify(m, cells, moves, batch, clear, drift):
 
 
 @kernel
-def verify(m, cells, moves, batch, clear, drift):
-    """Test all that moved since `batch` began; put back what turned over, degenerated or touches another face.
+def make_ready(m, cells, moves, drift):
+    """Sort the faces anew if they are far from where they were sorted.
 
     Parameters
     ----------
@@ -304,28 +339,60 @@ def verify(m, cells, moves, batch, clear, drift):
     cells : Cells
         The faces, brought up to date with every move.
     moves : Moves
-    batch : int
-        The stamp of what moved. Afterwards ``moves.state`` of the vertices that were put back is −`batch`.
-    clear : (V,) int8
-        Where this is given, not everything is tested: of faces that share no vertex, those whose vertices all have 1
-        here are left out, and pairs whose normals look the same way (`OPPOSED`); of stars, those around a 1. Whoever
-        gives it has to ask `_whole_kernels.find_contacts` in the end.
     drift : float
-        How far in mm faces may be from where they were sorted. If that is far, they are sorted anew.
+        How far in mm faces may be from where they were sorted.
+
+    Returns
+    -------
+    drift, slack : float
+        The same now, and how far they may be from there once moves were put back.
+    """
+    return _ready(m, cells, moves, drift)
+
+
+@kernel
+def find_suspects(m, cells, moves, batch, clear, drift, first, end, found):
+    """Find what touches of the faces that changed, and the stars that may be folded, without changing anything.
+
+    Parameters
+    ----------
+    m, cells, moves, batch, clear, drift
+        See `shapery_segmentation.mesh.contacts.verify`.
+    first, end : int
+        Part of ``moves.faces``.
+    found : (F,) int32
+        Room.
+
+    Returns
+    -------
+    wrong, stars : int
+        Ends of what was found in ``moves.wrong`` and ``moves.stars``, from `first` and 3·`first` on.
+    """
+    return _suspect(m, cells, moves, batch, clear, drift, first, end, found)
+
+
+@kernel
+def put_back(m, cells, moves, batch, clear, slack, middle, wrong, stars):
+    """Put back what `find_suspects` found, and what then touches, until nothing does.
+
+    Parameters
+    ----------
+    m, cells, moves, batch, clear
+        See `shapery_segmentation.mesh.contacts.verify`.
+    slack : float
+        From `make_ready`.
+    middle : int
+        Where the second part of ``moves.faces`` began.
+    wrong, stars : (int, int)
+        What `find_suspects` returned for both parts.
 
     Returns
     -------
     int
-        How many were put back; ``moves.queue`` names them.
-
-    Notes
-    -----
-    Every star and every face that changed is tested; where two faces touch, the movers of both go back to where they
-    were when `batch` began, and what is around these is tested again, until nothing touches. Vertices only ever go
-    back, so this ends, in the worst case in the state at the beginning, which was free of contacts. What lies between
-    does not matter: any number of moves can be verified at once.
+        How many vertices were put back; ``moves.queue`` names them.
     """
-    return _verify(m, cells, moves, batch, clear, drift)
+    limit = OPPOSED if clear.shape[0] > 0 else ANY
+    return _settle(m, cells, moves, batch, limit, slack, middle, wrong, stars)
 
 
 @kernel
@@ -355,7 +422,10 @@ def move_vertices(m, cells, movers, target, moves, batch):
     for i in range(movers.shape[0]):
         displace(m, moves, movers[i], target, batch)
     measure_displaced(m, cells, moves, movers, movers.shape[0], batch, batch, False)
-    return _verify(m, cells, moves, batch, moves.none, np.inf)
+    drift, slack = _ready(m, cells, moves, np.inf)
+    count = moves.counts[1]
+    wrong, stars = _suspect(m, cells, moves, batch, moves.none, drift, 0, count, moves.found[0])
+    return _settle(m, cells, moves, batch, ANY, slack, count, (wrong, count), (stars, 3 * count))
 
 
 @inner

@@ -13,7 +13,6 @@ from shapery_segmentation.mesh._motion_kernels import contact, faces_touch, is_g
 from shapery_segmentation.mesh._operation_kernels import following, origin, preceding, twin
 from shapery_segmentation.mesh.arrays import (
     CLEARANCE,
-    FACE_COUNT,
     FACE_TOP,
     INVERSE_CELL,
     LARGEST_RADIUS,
@@ -23,7 +22,6 @@ from shapery_segmentation.mesh.arrays import (
     OUT,
     RADIUS,
     SHIFT,
-    VERTEX_TOP,
 )
 from shapery_segmentation.mesh.compiled import inner, kernel
 
@@ -105,23 +103,42 @@ def _star_contacts(m, v, concerned):
 
 
 @kernel
-def find_contacts(m, cells, concerned):
-    """Return how many pairs of faces have more in common than they share.
+def find_contacts(m, cells, first, end, concerned):
+    """Return how many of a part of the faces touch others that follow them in the cells and share no vertex with them.
 
     Parameters
     ----------
     m, cells
         Mesh and its faces sorted by cell.
+    first, end : int
+        Places in the cells.
     concerned : (V,) bool
         Receives true for the vertices of faces that touch others. If it is empty, the first that does ends the search.
     """
     gap = m.bound[CLEARANCE]
     total = 0
-    for at in range(m.layout[FACE_COUNT]):
+    for at in range(first, end):
         total += _later_contacts(m, cells, at, gap, concerned)
         if total > 0 and concerned.shape[0] == 0:
             return total
-    for v in range(m.layout[VERTEX_TOP]):
+    return total
+
+
+@kernel
+def find_star_contacts(m, first, end, concerned):
+    """Return how many pairs of faces around a part of the vertices have more in common than they share.
+
+    Parameters
+    ----------
+    m
+        Mesh.
+    first, end : int
+        Slots of vertices.
+    concerned : (V,) bool
+        See `find_contacts`.
+    """
+    total = 0
+    for v in range(first, end):
         if m.vertices[v, OUT] >= 0:
             total += _star_contacts(m, v, concerned)
             if total > 0 and concerned.shape[0] == 0:

@@ -37,6 +37,7 @@ from shapery_segmentation.mesh.arrays import (
     room_for_cells,
     room_for_moves,
 )
+from shapery_segmentation.mesh.contacts import find_contacts
 
 SPLIT_RATIO = 1.5
 """An edge longer than this multiple of its target is split; its halves then stay above `COLLAPSE_RATIO`."""
@@ -266,7 +267,7 @@ class DynamicMesh:
     def touches_itself(self) -> bool:
         """Return whether any faces touch others than their neighbours, or neighbours more than they should."""
         self.sort_cells()
-        return bool(whole.find_contacts(self.arrays, self.cells, np.zeros(0, dtype=np.bool_)))
+        return bool(find_contacts(self.arrays, self.cells, np.zeros(0, dtype=np.bool_)))
 
     def contacts(self) -> int:
         """Return the number of faces that touch others with a higher number, by the plain test of every near pair."""
@@ -282,7 +283,7 @@ class DynamicMesh:
         """
         self.sort_cells()
         concerned = np.zeros(self.vertex_slots, dtype=np.bool_)
-        touching = whole.find_contacts(self.arrays, self.cells, concerned)
+        touching = find_contacts(self.arrays, self.cells, concerned)
         for _ in range(rounds):
             if not touching:
                 break
@@ -291,7 +292,7 @@ class DynamicMesh:
             self.sort_cells()
             concerned[:] = False
             touching = whole.find_contacts_around(
-                self.arrays, self.cells, chosen, concerned, self.room_for_moves().found
+                self.arrays, self.cells, chosen, concerned, self.room_for_moves().found[0]
             )
         return not touching
 

@@ -11,9 +11,9 @@ from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from shapery_geometry.mesh import TriangleMesh
+from shapery_segmentation.neighborhoods import depths
 from shapery_segmentation.seeding import _ball_kernels as kernels
 
 BoolArray = NDArray[np.bool_]
@@ -51,7 +51,7 @@ def ball_inside(region: BoolArray, *, least_depth: float = 0.0) -> tuple[BoolArr
     """
     if not region.any():
         raise ValueError("a region without voxels holds no ball")
-    depth = ndimage.distance_transform_edt(np.pad(region, 1)).astype(np.float32)
+    depth = np.pad(depths(region), 1)
     start = np.array(np.unravel_index(int(depth.argmax()), depth.shape), dtype=np.int64)
     depth[depth <= least_depth] = 0.0
     ball = np.zeros(depth.shape, dtype=np.bool_)

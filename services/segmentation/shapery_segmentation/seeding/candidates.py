@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from shapery_geometry.concurrent import both
 from shapery_segmentation.calibration import Calibration
-from shapery_segmentation.concurrent import both
 from shapery_segmentation.gate import LEVEL, LEVEL_RANGE, dense
 from shapery_segmentation.seeding.evidence import evidence
 from shapery_segmentation.seeding.octree import OctreeCandidates, search_octree
@@ -106,12 +106,12 @@ def find_candidates(
         Called between the steps.
     """
     field = calibration.field
-    middle, octree = both(
-        lambda: find_symmetry(calibration.before, brain, spacing) if plane is None else plane,
+    middle = find_symmetry(calibration.before, brain, spacing) if plane is None else plane
+    check_cancelled()
+    weight, octree = both(
+        lambda: evidence(field, calibration.before, brain, middle, spacing),
         lambda: search_octree(field, brain, spacing, SEED_THRESHOLD),
     )
-    check_cancelled()
-    weight = evidence(field, calibration.before, brain, middle, spacing)
     check_cancelled()
     peak = octree.on_grid((field.shape[0], field.shape[1], field.shape[2]))
     solid = dense((field > SEED_THRESHOLD) & brain, spacing) & (weight > LEAST_WEIGHT) & (peak > 0)

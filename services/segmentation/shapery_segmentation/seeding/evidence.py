@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from shapery_segmentation.blocks import block_mean, spread
+from shapery_segmentation.neighborhoods import depths
 from shapery_segmentation.seeding import _symmetry_kernels as kernels
 from shapery_segmentation.seeding.symmetry import SymmetryPlane
+from shapery_segmentation.smoothing import gaussian
 
 FloatArray = NDArray[np.float32]
 BoolArray = NDArray[np.bool_]
@@ -60,7 +62,7 @@ def evidence(
     mean, dark = block_mean(field, factor), block_mean(before, factor)
     inside = block_mean(brain.astype(np.float32), factor) > 0.5
 
-    smooth = ndimage.gaussian_filter(mean, 1.2 / size, mode="nearest").astype(np.float32)
+    smooth = gaussian(mean, 1.2 / size, truncate=4.0)
     matrix, offset = plane.reflection(spacing)
     # From full voxels to blocks, whose first lies (factor − 1) / 2 voxels in.
     shift = (matrix @ np.full(3, (factor - 1) / 2) + offset - (factor - 1) / 2) / factor
@@ -70,7 +72,7 @@ def evidence(
     asymmetry = smooth - ndimage.maximum_filter(mirror, size=2 * reach + 1, mode="nearest")
 
     # Outside the array begins what is not brain.
-    depth = ndimage.distance_transform_edt(np.pad(inside, 1))[1:-1, 1:-1, 1:-1] * size
+    depth = depths(inside) * size
     weight = _step(asymmetry, ASYMMETRY) * _step(dark, TISSUE) * _step(depth, DEPTH)
     weight[~inside] = 0.0
     return spread(weight.astype(np.float32), factor, field.shape)

@@ -6,7 +6,7 @@ import threading
 
 import pytest
 
-from shapery_segmentation.concurrent import at_once, both
+from shapery_geometry.concurrent import at_once, both, in_halves
 
 
 def test_results_keep_the_order_of_the_items() -> None:
@@ -39,3 +39,15 @@ def test_the_first_error_is_raised() -> None:
         at_once(work, (0, 1))
     with pytest.raises(KeyError, match="7"):
         both(lambda: 1, lambda: work(7))
+
+
+def test_halves_are_worked_at_the_same_time_and_few_items_by_one() -> None:
+    meeting = threading.Barrier(2, timeout=10)
+
+    def work(first: int, end: int) -> range:
+        if end - first < 9:
+            meeting.wait()
+        return range(first, end)
+
+    assert in_halves(work, 9, 5) == [range(4), range(4, 9)]
+    assert in_halves(work, 9, 10) == [range(9)]

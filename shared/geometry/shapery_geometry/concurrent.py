@@ -23,6 +23,24 @@ def at_once(work: Callable[[Item], Result], items: Iterable[Item]) -> list[Resul
         return list(pool.map(work, items))
 
 
+def in_halves(work: Callable[[int, int], Result], count: int, least: int) -> list[Result]:
+    """Return the work done on the items from a first to before an end, for both halves of `count` items at once.
+
+    Parameters
+    ----------
+    work
+        Called with first and end. What it returns must not depend on where the halves meet.
+    count
+        Items.
+    least
+        Fewer are not worth a second thread: then there is one half, which holds all.
+    """
+    if count < least:
+        return [work(0, count)]
+    middle = count // 2
+    return list(both(lambda: work(0, middle), lambda: work(middle, count)))
+
+
 def both(first: Callable[[], Item], second: Callable[[], Result]) -> tuple[Item, Result]:
     """Return the results of two functions without arguments, of which the first runs here."""
     with ThreadPoolExecutor(1) as pool:
