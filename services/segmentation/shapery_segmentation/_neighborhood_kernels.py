@@ -23,28 +23,33 @@ def _least(row: Array, more: int, out: Array) -> None:
 
 
 @njit(cache=True, **_PLAIN)
-def squared_distances(mask: Array, reach: int, lines: Array, room: Array, out: Array) -> None:
-    """Write the squared distance in voxels of every voxel from `mask`, as far as it is at most `reach` along each axis.
+def squared_distances_within(
+    mask: Array, reach: int, begin: int, end: int, lines: Array, room: Array, out: Array
+) -> None:
+    """Write the squared distance in voxels of every voxel from `mask` in its slice, as far as it is at most `reach`.
 
     Parameters
     ----------
     mask : (I, J, K) bool
     reach : int
         At most 99.
+    begin, end : int
+        Slices that are worked out.
     lines : (2, I, J) bool
-        Room.
+        Receives which rows hold a voxel of the mask, and which have one near in their slice.
     room, out : (I, J, K) int16
-        Room, and what receives the distances; what is farther along an axis gets (reach + 1)² or more.
+        What receives the distances, in rows that have something near, and room; what is farther along an axis gets
+        (reach + 1)² or more.
 
     Notes
     -----
     Axis after axis (T. Saito and J. Toriwaki, Pattern Recogn. 27, 1994, doi:10.1016/0031-3203(94)90133-3). Rows without
     anything near are passed over.
     """
-    ni, nj, nk = mask.shape
+    _, nj, nk = mask.shape
     farthest = np.int16((reach + 1) ** 2)
-    lines[:] = False
-    for i in range(ni):
+    lines[:, begin:end] = False
+    for i in range(begin, end):
         for j in range(nj):
             last = reach + 1
             for k in range(nk):
@@ -63,7 +68,7 @@ def squared_distances(mask: Array, reach: int, lines: Array, room: Array, out: A
                 elif last <= reach:
                     last += 1
                 out[i, j, k] = min(out[i, j, k], np.int16(last * last))
-    for i in range(ni):
+    for i in range(begin, end):
         for j in range(nj):
             for step in range(max(-reach, -j), min(reach, nj - 1 - j) + 1):
                 if lines[0, i, j + step]:
@@ -71,7 +76,22 @@ def squared_distances(mask: Array, reach: int, lines: Array, room: Array, out: A
                         lines[1, i, j] = True
                         room[i, j, :] = farthest
                     _least(out[i, j + step], step * step, room[i, j])
-    for i in range(ni):
+
+
+@njit(cache=True, **_PLAIN)
+def squared_distances_across(reach: int, begin: int, end: int, lines: Array, room: Array, out: Array) -> None:
+    """Write the squared distance of every voxel from the mask whose distances within slices are known.
+
+    Parameters
+    ----------
+    reach, begin, end, lines, room
+        As `squared_distances_within` takes and leaves them.
+    out : (I, J, K) int16
+        Receives the distances.
+    """
+    ni, nj, _ = room.shape
+    farthest = np.int16((reach + 1) ** 2)
+    for i in range(begin, end):
         for j in range(nj):
             out[i, j, :] = farthest
             for step in range(max(-reach, -i), min(reach, ni - 1 - i) + 1):

@@ -32,23 +32,23 @@ def _add_pairs(left: Array, right: Array, weight: float, wide: Array, far: Array
 
 
 @njit(cache=True, **_PLAIN)
-def smooth(values: Array, first: Array, second: Array, third: Array, room: Array, line: Array, out: Array) -> None:
-    """Convolve `values` along each axis with a symmetric kernel; beyond an end its last value holds.
+def smooth_across(values: Array, first: Array, begin: int, end: int, out: Array) -> None:
+    """Convolve `values` along the first axis with a symmetric kernel; beyond an end the last value holds.
 
     Parameters
     ----------
     values : (I, J, K) float32
-    first, second, third : (r + 1,) float32
-        The middle of each axis's kernel and what follows.
-    room, out : (I, J, K) float32
-        Room, and what receives the result.
-    line : (K + 2r,) float32
-        Room for one row along the last axis and what is beyond its ends.
+    first : (r + 1,) float32
+        The middle of the kernel and what follows.
+    begin, end : int
+        Slices that are worked out.
+    out : (I, J, K) float32
+        Receives the result.
     """
-    ni, nj, nk = values.shape
-    for i in range(ni):
+    ni, nj, _ = values.shape
+    for i in range(begin, end):
         for j in range(nj):
-            row = room[i, j]
+            row = out[i, j]
             _weigh(values[i, j], first[0], row)
             # Two pairs at once, which reads and writes the sum half as often.
             for t in range(1, first.shape[0] - 1, 2):
@@ -59,8 +59,27 @@ def smooth(values: Array, first: Array, second: Array, third: Array, room: Array
             if first.shape[0] % 2 == 0:
                 t = first.shape[0] - 1
                 _add_pair(values[max(i - t, 0), j], values[min(i + t, ni - 1), j], first[t], row)
+
+
+@njit(cache=True, **_PLAIN)
+def smooth_within(room: Array, second: Array, third: Array, begin: int, end: int, line: Array, out: Array) -> None:
+    """Do the same along the second and the third axis.
+
+    Parameters
+    ----------
+    room : (I, J, K) float32
+        What `smooth_across` wrote.
+    second, third : (r + 1,) float32
+    begin, end : int
+        Slices that are worked out.
+    line : (K + 2r,) float32
+        Room for one row along the last axis and what is beyond its ends.
+    out : (I, J, K) float32
+        Receives the result.
+    """
+    _, nj, nk = room.shape
     radius = third.shape[0] - 1
-    for i in range(ni):
+    for i in range(begin, end):
         for j in range(nj):
             row = line[radius : radius + nk]
             _weigh(room[i, j], second[0], row)

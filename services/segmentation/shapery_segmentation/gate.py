@@ -104,6 +104,8 @@ class Region:
         Median of what surrounds the region.
     stands_out
         Its contrast to that (see `contrast`; of a large region every eighth voxel tells it).
+    likely
+        How likely an object has its shape, as far as that was asked.
     """
 
     box: tuple[slice, slice, slice]
@@ -113,6 +115,7 @@ class Region:
     floor: float = LEVEL_RANGE[0]
     ground: float = 0.0
     stands_out: float = 0.0
+    likely: float = 1.0
 
 
 def running_threshold(values: NDArray[np.floating], ground: float = 0.0) -> float:
@@ -231,7 +234,7 @@ def reach(
     where it is thinner than the gate lets through (see `_closed`).
     """
     region = _reach(field, brain, seed, spacing, rounds, likely_shape, LEAST_DENSITY)
-    lost = likely_shape is not None and likely_shape(region.inside) < 0.5
+    lost = region.likely < 0.5
     if lost and likely_shape is not None and likely_shape(seed[box_around(seed, seed.shape, 0)]) < 0.5:
         # A tree or a sheet from the beginning.
         return region
@@ -241,8 +244,8 @@ def reach(
     taken = LEAST_DENSITY
     for density in STRICTER if lost else _promising(field, brain, region, whole, seed, spacing):
         stricter = _reach(field, brain, seed, spacing, rounds, likely_shape, density)
-        if lost and likely_shape is not None:
-            better = likely_shape(stricter.inside) >= 0.5
+        if lost:
+            better = stricter.likely >= 0.5
             lost = not better
         else:
             rounder = _raggedness(with_enclosed(stricter.inside, spacing)) < LEAK * _raggedness(whole)
@@ -341,9 +344,9 @@ def _reach(
     box = box_around(seed, seed.shape, 3 * _MARGIN)
     while True:
         region = _reach_in(field, brain, seed, spacing, rounds, box, density)
-        if not _near_end(region.inside, box, seed.shape):
-            return region
-        if likely_shape is not None and likely_shape(region.inside) < HOPELESS:
+        if likely_shape is not None:
+            region = replace(region, likely=likely_shape(region.inside))
+        if region.likely < HOPELESS or not _near_end(region.inside, box, seed.shape):
             return region
         near = box_around(region.inside | seed[box], region.inside.shape, 0)
         i, j, k = (

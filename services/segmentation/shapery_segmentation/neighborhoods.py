@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from shapery_geometry.concurrent import MANY_VOXELS, in_halves
 from shapery_segmentation import _neighborhood_kernels as kernels
 
 BoolArray = NDArray[np.bool_]
@@ -50,7 +51,17 @@ def _squared_distances(mask: BoolArray, reach: int) -> NDArray[np.int16]:
         raise ValueError(f"distances must lie in [0, {FARTHEST + 1}) voxels, not {reach}")
     squared, room = np.empty(mask.shape, dtype=np.int16), np.empty(mask.shape, dtype=np.int16)
     lines = np.empty((2, *mask.shape[:2]), dtype=np.bool_)
-    kernels.squared_distances(np.ascontiguousarray(mask), reach, lines, room, squared)
+    given = np.ascontiguousarray(mask)
+
+    def within_slices(begin: int, end: int) -> None:
+        kernels.squared_distances_within(given, reach, begin, end, lines, room, squared)
+
+    def across_slices(begin: int, end: int) -> None:
+        kernels.squared_distances_across(reach, begin, end, lines, room, squared)
+
+    slices = max(1, MANY_VOXELS // max(mask.shape[1] * mask.shape[2], 1))
+    in_halves(within_slices, len(mask), slices)
+    in_halves(across_slices, len(mask), slices)
     return squared
 
 

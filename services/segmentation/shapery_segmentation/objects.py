@@ -156,6 +156,8 @@ def recover(
             brain.grid.spacing,
             likely_shape=(lambda inside: _likely_shape(inside, brain.grid.spacing)) if automatic else None,
         )
+        if automatic and region.likely < LEAST_CONFIDENCE:
+            continue
         confidence = _judge(candidate, region, weight, brain, calibration)
         if automatic and confidence < LEAST_CONFIDENCE:
             continue
@@ -175,10 +177,11 @@ def spread(mask: BoolArray) -> float:
     mask : (I, J, K) bool
         At least one voxel.
     """
-    index = np.argwhere(mask).astype(np.float64)
+    inside = np.flatnonzero(mask)
+    variances = [float(np.var(index.astype(np.float64))) for index in np.unravel_index(inside, mask.shape)]
     # A voxel itself has a radius of gyration of half a voxel's diagonal over √3.
-    gyration = np.sqrt(float(index.var(axis=0).sum()) + 0.25)
-    return float(gyration / (3.0 * len(index) / (4.0 * np.pi)) ** (1 / 3))
+    gyration = np.sqrt(sum(variances) + 0.25)
+    return float(gyration / (3.0 * len(inside) / (4.0 * np.pi)) ** (1 / 3))
 
 
 def _confidence(evidence_mm3: float, calibration: Calibration) -> float:

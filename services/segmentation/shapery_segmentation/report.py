@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shapery_contracts.segmentation import Microhemorrhage, SegmentedObject, SegmentedVessel
+from shapery_geometry.concurrent import both
 from shapery_geometry.intersections import self_intersections
 from shapery_geometry.mesh import TriangleMesh
 
@@ -130,13 +131,23 @@ def write_outputs(segmentation: Segmentation, folder: Path) -> None:
         there are objects), ``report.json``.
     """
     # Imported here: writers are not needed to segment.
-    from shapery_geometry.mesh_io import write_ply, write_scene_glb
     from shapery_geometry.volume_io import write_nifti
     from shapery_segmentation.evolution import write_evolution
 
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    write_nifti(segmentation.labels, folder / "labels.nii.gz", description="Shapery segmentation")
+    both(
+        lambda: _write_surfaces(segmentation, folder),
+        lambda: write_nifti(segmentation.labels, folder / "labels.nii.gz", description="Shapery segmentation"),
+    )
+    if segmentation.evolution:
+        write_evolution(segmentation.evolution, folder / EVOLUTION)
+    write_report(segmentation, folder)
+
+
+def _write_surfaces(segmentation: Segmentation, folder: Path) -> None:
+    from shapery_geometry.mesh_io import write_ply, write_scene_glb
+
     write_ply(joined(segmentation.surfaces), folder / "surface.ply")
     (folder / "surfaces").mkdir(exist_ok=True)
     scene: list[tuple[str, TriangleMesh, tuple[float, float, float, float]]] = []
@@ -150,9 +161,6 @@ def write_outputs(segmentation: Segmentation, folder: Path) -> None:
         write_ply(segmentation.bleeding_surface, folder / BLEEDING_SURFACE)
         scene.append(("microhemorrhages", segmentation.bleeding_surface, BLEEDING_COLOR))
     write_scene_glb(scene, folder / "scene.glb")
-    if segmentation.evolution:
-        write_evolution(segmentation.evolution, folder / EVOLUTION)
-    write_report(segmentation, folder)
 
 
 def write_report(segmentation: Segmentation, folder: Path) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from shapery_geometry.concurrent import MANY_VOXELS, in_halves
 from shapery_segmentation import _smoothing_kernels as kernels
 
 FloatArray = NDArray[np.float32]
@@ -33,8 +34,17 @@ def gaussian(values: FloatArray, sigma: float | Sequence[float], *, truncate: fl
     first, second, third = (_half_kernel(float(s), truncate) for s in sigmas)
     data = np.ascontiguousarray(values, dtype=np.float32)
     out, room = np.empty_like(data), np.empty_like(data)
-    line = np.empty(data.shape[2] + 2 * (len(third) - 1), dtype=np.float32)
-    kernels.smooth(data, first, second, third, room, line, out)
+
+    def across(begin: int, end: int) -> None:
+        kernels.smooth_across(data, first, begin, end, room)
+
+    def within(begin: int, end: int) -> None:
+        line = np.empty(data.shape[2] + 2 * (len(third) - 1), dtype=np.float32)
+        kernels.smooth_within(room, second, third, begin, end, line, out)
+
+    slices = max(1, MANY_VOXELS // (data.shape[1] * data.shape[2]))
+    in_halves(across, len(data), slices)
+    in_halves(within, len(data), slices)
     return out
 
 

@@ -31,13 +31,14 @@ def _known_part(data: Array, x: int, y: int, z: int, u: float, v: float, w: floa
 
 
 @njit(cache=True, nogil=True)
-def linear(data: Array, matrix: FloatArray, offset: FloatArray, out: Array, fill: float) -> None:
+def linear(data: Array, matrix: FloatArray, offset: FloatArray, out: Array, fill: float, begin: int, end: int) -> None:
     """Write into `out` the trilinear value of `data` at ``matrix @ (i, j, k) + offset``, `fill` outside.
 
-    Non-finite corners carry no weight; where they would carry more than half of it, `fill` is written.
+    Done for `i` from `begin` to before `end`. Non-finite corners carry no weight; where they would carry more than half
+    of it, `fill` is written.
     """
     nx, ny, nz = data.shape
-    for i in range(out.shape[0]):
+    for i in range(begin, end):
         for j in range(out.shape[1]):
             for k in range(out.shape[2]):
                 x = matrix[0, 0] * i + matrix[0, 1] * j + matrix[0, 2] * k + offset[0]

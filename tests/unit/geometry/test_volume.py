@@ -235,7 +235,7 @@ class TestResampling:
         data[rng.random(data.shape) < 0.1] = np.nan
         offset = np.array([4.6, -0.4, 0.0])
         way, shorter = np.empty((14, 12, 20)), np.empty((14, 12, 20))
-        _resampling_kernels.linear(data, np.diag(scale), offset, way, -9.0)
+        _resampling_kernels.linear(data, np.diag(scale), offset, way, -9.0, 0, len(way))
         _resampling_kernels.linear_aligned(data, np.array(scale), offset, shorter, -9.0)
         assert (way == -9.0).any()
         np.testing.assert_allclose(shorter, way, rtol=0, atol=1e-12)
