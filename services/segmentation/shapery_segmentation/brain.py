@@ -91,6 +91,12 @@ def find_brain(reference: Volume, post: Volume) -> Brain:
     coarse = working_grid(post, spacing=COARSE)
     image = coarse.sample(reference)
     missing = ~np.isfinite(image)
+    if missing.all():
+        raise InvalidInput(
+            "invalid_volume",
+            "The volumes before and after contrast have no place in common.",
+            "Give two volumes of one session in one scanner frame, or let them be registered.",
+        )
     background = _background_value(reference)
     image[missing] = background if background is not None else float(np.nanmin(image))
 

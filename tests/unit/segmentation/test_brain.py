@@ -61,6 +61,14 @@ def test_a_volume_without_a_brain_is_refused() -> None:
     assert caught.value.hint
 
 
+def test_volumes_of_different_places_are_refused(tilted_head: HeadPhantom) -> None:
+    away = tilted_head.pre.affine.copy()
+    away[:3, 3] += 500.0
+    with pytest.raises(InvalidInput, match="no place in common") as caught:
+        find_brain(Volume(tilted_head.pre.data, away), tilted_head.post)
+    assert caught.value.hint
+
+
 def test_otsu_lies_between_two_classes() -> None:
     rng = np.random.default_rng(1)
     values = np.concatenate((rng.normal(0, 1, 5000), rng.normal(20, 2, 3000)))
