@@ -26,6 +26,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,7 +85,7 @@ def prepare(case: Case) -> Prepared:
     """Run our own segmentation once and note what each of its flows began with."""
     post = read_volume(case.post)
     pre = read_volume(case.pre) if case.pre is not None else None
-    with recorded() as flows:
+    with mock.patch.dict(os.environ, ONE_THREAD), recorded() as flows:
         found = segment(post, pre)
     brain = find_brain(pre if pre is not None else post, post)
     grid = brain.grid

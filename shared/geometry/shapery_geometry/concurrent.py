@@ -1,7 +1,11 @@
-"""Two independent parts of the work at once, on two cores."""
+"""Two independent parts of the work at once, on two cores, where there are two.
+
+With ``NUMBA_NUM_THREADS=1`` everything is done one after the other, as a worker wants it that has a job for each core.
+"""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
@@ -9,11 +13,20 @@ from typing import TypeVar
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
-THREADS = 2
+MOST_THREADS = 2
 """More would not be busy: parts of the work that do not wait for each other are two at the most."""
 
 MANY_VOXELS = 300_000
 """Voxels from which on a second thread saves more than it costs where each takes a few nanoseconds."""
+
+
+def threads() -> int:
+    """Return how many threads the work takes: as many as numba may, at most `MOST_THREADS`."""
+    asked = os.environ.get("NUMBA_NUM_THREADS", "")
+    if asked.isdigit() and int(asked):
+        return min(MOST_THREADS, int(asked))
+    here = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return min(MOST_THREADS, here)
 
 
 def at_once(work: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
@@ -22,7 +35,10 @@ def at_once(work: Callable[[Item], Result], items: Iterable[Item]) -> list[Resul
     Compiled loops, SciPy's filters and decompression let others run, so this saves time although Python itself does
     not. The result does not depend on who is first.
     """
-    with ThreadPoolExecutor(THREADS) as pool:
+    count = threads()
+    if count == 1:
+        return [work(item) for item in items]
+    with ThreadPoolExecutor(count) as pool:
         return list(pool.map(work, items))
 
 
@@ -38,7 +54,7 @@ def in_halves(work: Callable[[int, int], Result], count: int, least: int) -> lis
     least
         Fewer are not worth a second thread: then there is one half, which holds all.
     """
-    if count < least:
+    if count < least or threads() == 1:
         return [work(0, count)]
     middle = count // 2
     return list(both(lambda: work(0, middle), lambda: work(middle, count)))
@@ -46,6 +62,8 @@ def in_halves(work: Callable[[int, int], Result], count: int, least: int) -> lis
 
 def both(first: Callable[[], Item], second: Callable[[], Result]) -> tuple[Item, Result]:
     """Return the results of two functions without arguments, of which the first runs here."""
+    if threads() == 1:
+        return first(), second()
     with ThreadPoolExecutor(1) as pool:
         later = pool.submit(second)
         return first(), later.result()

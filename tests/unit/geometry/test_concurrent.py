@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import os
 import threading
 
 import pytest
 
-from shapery_geometry.concurrent import at_once, both, in_halves
+from shapery_geometry.concurrent import at_once, both, in_halves, threads
 
 
+@pytest.fixture
+def two_threads(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NUMBA_NUM_THREADS", "2")
+
+
+@pytest.mark.usefixtures("two_threads")
 def test_results_keep_the_order_of_the_items() -> None:
     first_may_end = threading.Event()
 
@@ -22,6 +29,7 @@ def test_results_keep_the_order_of_the_items() -> None:
     assert at_once(work, range(5)) == [0, 10, 20, 30, 40]
 
 
+@pytest.mark.usefixtures("two_threads")
 def test_both_run_at_the_same_time() -> None:
     meeting = threading.Barrier(2, timeout=10)
     here = threading.get_ident()
@@ -41,6 +49,7 @@ def test_the_first_error_is_raised() -> None:
         both(lambda: 1, lambda: work(7))
 
 
+@pytest.mark.usefixtures("two_threads")
 def test_halves_are_worked_at_the_same_time_and_few_items_by_one() -> None:
     meeting = threading.Barrier(2, timeout=10)
 
@@ -51,3 +60,32 @@ def test_halves_are_worked_at_the_same_time_and_few_items_by_one() -> None:
 
     assert in_halves(work, 9, 5) == [range(4), range(4, 9)]
     assert in_halves(work, 9, 10) == [range(9)]
+
+
+@pytest.mark.parametrize(("asked", "taken"), [("1", 1), ("2", 2), ("64", 2)])
+def test_as_many_threads_as_numba_may_take(asked: str, taken: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NUMBA_NUM_THREADS", asked)
+    assert threads() == taken
+
+
+@pytest.mark.parametrize("asked", ["", "0", "many"])
+@pytest.mark.skipif(not hasattr(os, "sched_getaffinity"), reason="this system does not bind processes to processors")
+def test_as_many_threads_as_processors_by_default(asked: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NUMBA_NUM_THREADS", asked)
+    for processors in (1, 2, 7):
+        monkeypatch.setattr(os, "sched_getaffinity", lambda _, count=processors: set(range(count)))
+        assert threads() == min(2, processors)
+
+
+def test_one_thread_does_one_thing_after_the_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NUMBA_NUM_THREADS", "1")
+    done: list[tuple[str, int]] = []
+
+    def work(name: str) -> int:
+        done.append((name, threading.get_ident()))
+        return len(done)
+
+    assert both(lambda: work("a"), lambda: work("b")) == (1, 2)
+    assert at_once(work, "cd") == [3, 4]
+    assert in_halves(lambda first, end: (first, end), 10, 2) == [(0, 10)]
+    assert done == [(name, threading.get_ident()) for name in "abcd"]
