@@ -290,12 +290,9 @@ def evened(image: FloatArray, mask: BoolArray, spacing: float) -> FloatArray:
     sigma = EVENING_SCALE / (factor * spacing)
     local = ndimage.gaussian_filter(light, sigma) / np.maximum(ndimage.gaussian_filter(weight, sigma), 1e-3)
     # Between the blocks linearly: steps of the division would be edges.
-    place = [(np.arange(n) - (factor - 1) / 2) / factor for n in image.shape]
-    for axis, where in enumerate(place):
-        low = np.clip(np.floor(where).astype(int), 0, max(local.shape[axis] - 2, 0))
-        high = np.minimum(low + 1, local.shape[axis] - 1)
-        part = np.clip(where - low, 0.0, 1.0).astype(np.float32).reshape([-1 if a == axis else 1 for a in range(3)])
-        local = np.take(local, low, axis=axis) * (1 - part) + np.take(local, high, axis=axis) * part
+    blocks = np.diag([factor, factor, factor, 1.0])
+    blocks[:3, 3] = (factor - 1) / 2
+    local = Volume(local, blocks).resampled_to(Volume(image, np.eye(4))).data
     return np.where(mask, values / np.maximum(local, np.float32(0.1 * usual)), np.float32(0.0))
 
 

@@ -118,20 +118,32 @@ def two_normals(counts: Array, bottom: float, width: float, start: float, result
 
 
 @njit(cache=True, nogil=True)
-def scan(field: Array, mask: Array, edges: Array, bottom: float, width: float, start: float, results: Array) -> None:
-    """Fit two normal distributions to every cell of one level.
+def scan(
+    field: Array,
+    mask: Array,
+    edges: Array,
+    bottom: float,
+    width: float,
+    start: float,
+    begin: int,
+    end: int,
+    results: Array,
+) -> None:
+    """Fit two normal distributions to the cells of one level.
 
     Parameters
     ----------
     edges : (3, cells + 1) int64
         First voxel of each cell along each axis, and the end of the last.
+    begin, end : int
+        Slices of cells along the first axis.
     results : (cells, cells, cells, 8) float64
         Written: as `two_normals`, and the number of voxels.
     """
     cells = edges.shape[1] - 1
     counts = np.zeros(BINS)
     low, high = np.zeros(3, np.int64), np.zeros(3, np.int64)
-    for a in range(cells):
+    for a in range(begin, end):
         for b in range(cells):
             for c in range(cells):
                 low[0], low[1], low[2] = edges[0, a], edges[1, b], edges[2, c]

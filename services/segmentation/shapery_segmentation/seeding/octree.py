@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from shapery_geometry.concurrent import in_halves
 from shapery_segmentation.seeding import _octree_kernels as kernels
 
 LEVELS = (4, 8, 16)
@@ -92,15 +93,32 @@ def search_octree(
     for cells in LEVELS:
         # The finest edges, taken in groups, so that the cells of a level are made of whole cells of the next.
         edges = np.ascontiguousarray(fine_edges[:, :: finest // cells])
-        results = np.zeros((cells, cells, cells, 8))
-        kernels.scan(field, brain, edges, bottom, width, threshold, results)
-        candidate, mean = _judge(results, spacing, threshold)
+        candidate, mean = _judge(_fits(field, brain, edges, bottom, width, threshold), spacing, threshold)
         found.append(int(candidate.sum()))
         ratio = finest // cells
         for axis in range(3):
             candidate, mean = np.repeat(candidate, ratio, axis=axis), np.repeat(mean, ratio, axis=axis)
         peak[candidate] = mean[candidate]
     return OctreeCandidates(peak, fine_edges, tuple(found))
+
+
+def _fits(
+    field: NDArray[np.float32],
+    brain: NDArray[np.bool_],
+    edges: NDArray[np.int64],
+    bottom: float,
+    width: float,
+    threshold: float,
+) -> NDArray[np.float64]:
+    """Return what `_octree_kernels.scan` writes, for all cells of a level."""
+    cells = edges.shape[1] - 1
+    results = np.zeros((cells, cells, cells, 8))
+
+    def scan(begin: int, end: int) -> None:
+        kernels.scan(field, brain, edges, bottom, width, threshold, begin, end, results)
+
+    in_halves(scan, cells, 2)
+    return results
 
 
 def _judge(

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from shapery_geometry.concurrent import in_halves
 from shapery_segmentation.blocks import block_mean
 from shapery_segmentation.seeding import _symmetry_kernels as kernels
 
@@ -114,15 +116,14 @@ def _search(
     angles: NDArray[np.float64],
 ) -> tuple[float, tuple[float, float, float]]:
     """Return the best plane of a grid of angles, through the centre or 8 mm beside it."""
-    best, chosen = -2.0, (0.0, 0.0, 0.0)
-    for yaw in angles:
-        for roll in angles:
-            for shift in (-8.0, 0.0, 8.0):
-                plane = (shift, float(yaw), float(roll))
-                value = _likeness(image, weight, size, centre, plane)
-                if value > best:
-                    best, chosen = value, plane
-    return best, chosen
+    planes = [(shift, float(yaw), float(roll)) for yaw in angles for roll in angles for shift in (-8.0, 0.0, 8.0)]
+
+    def likenesses(first: int, end: int) -> list[float]:
+        return [_likeness(image, weight, size, centre, plane) for plane in planes[first:end]]
+
+    found = list(itertools.chain.from_iterable(in_halves(likenesses, len(planes), 2)))
+    best = int(np.argmax(found))
+    return found[best], planes[best]
 
 
 def _descend(
