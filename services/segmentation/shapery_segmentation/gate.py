@@ -106,6 +106,8 @@ class Region:
         Its contrast to that (see `contrast`; of a large region every eighth voxel tells it).
     likely
         How likely an object has its shape, as far as that was asked.
+    parted
+        Whether only a stricter gate parted it from what has no object's shape.
     """
 
     box: tuple[slice, slice, slice]
@@ -116,6 +118,7 @@ class Region:
     ground: float = 0.0
     stands_out: float = 0.0
     likely: float = 1.0
+    parted: bool = False
 
 
 def running_threshold(values: NDArray[np.floating], ground: float = 0.0) -> float:
@@ -246,7 +249,7 @@ def reach(
         stricter = _reach(field, brain, seed, spacing, rounds, likely_shape, density)
         if lost:
             better = stricter.likely >= 0.5
-            lost = not better
+            lost, stricter = not better, replace(stricter, parted=True)
         else:
             rounder = _raggedness(with_enclosed(stricter.inside, spacing)) < LEAK * _raggedness(whole)
             better = rounder and stricter.stands_out >= region.stands_out

@@ -51,6 +51,9 @@ DISTINCT = (2.4, 0.15)
 """Centre and width of a step in the contrast of an object to its surroundings (see `shapery_segmentation.gate`). Normal
 tissue that a bias field raised has 1.7 to 2.0; the weakest tumors with expert labels have 2.9."""
 
+PARTED = 0.85
+"""Confidence in what only a stricter gate parted from a tree or a sheet, relative: it may be a part of that."""
+
 LEAST_SHARE = 0.2
 """Share of an object that must have evidence of its own; below, what evolved is not what was found."""
 
@@ -209,6 +212,7 @@ def _judge(candidate: Candidate, region: Region, weight: FloatArray, brain: Brai
     return (
         _confidence(evidence, calibration)
         * share
+        * (PARTED if region.parted else 1.0)
         * _compact(core)
         * _logistic((stands_out - DISTINCT[0]) / DISTINCT[1])
     )

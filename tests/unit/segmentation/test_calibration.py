@@ -9,7 +9,7 @@ from scipy import ndimage
 from shapery_contracts.errors import InvalidInput
 from shapery_geometry.volume import Volume
 from shapery_segmentation.brain import Brain, find_brain
-from shapery_segmentation.calibration import calibrate, evened, trimmed_fit
+from shapery_segmentation.calibration import STEADIER, _light, calibrate, compare, evened, trimmed_fit
 from shapery_segmentation.phantoms import HeadPhantom
 from shapery_segmentation.preparation import working_grid
 
@@ -82,7 +82,7 @@ def test_a_drift_between_the_volumes_is_taken_out_where_that_is_asked_for(head: 
     brain = find_brain(head.pre, head.post)
     plain = calibrate(brain, head.post, head.pre)
     u, v, w = np.meshgrid(*(np.linspace(-1, 1, n) for n in head.post.shape), indexing="ij", sparse=True)
-    drifted = head.post.with_data(head.post.data + plain.noise * (2.0 * u - v * w + 1.5 * v * v))
+    drifted = head.post.with_data(head.post.data + plain.noise * (u - 4.0 * v * w + 6.0 * v * v))
     rim = head.truth.data == 1
     rim = (brain.grid.sample(head.truth.with_data(rim.astype(np.float32))) > 0.5) & brain.mask
     normal = ndimage.binary_erosion(brain.mask & ~ndimage.binary_dilation(rim, iterations=12), iterations=3)
@@ -92,8 +92,40 @@ def test_a_drift_between_the_volumes_is_taken_out_where_that_is_asked_for(head: 
 
     once, twice = (calibrate(brain, post, head.pre, without_drift=True) for post in (head.post, drifted))
     assert np.corrcoef(once.field[normal], twice.field[normal])[0, 1] > 0.98
-    assert parted(twice.field) > 1.2 * parted(calibrate(brain, drifted, head.pre).field)
+    assert parted(twice.field) > 1.1 * parted(calibrate(brain, drifted, head.pre).field)
     assert twice.noise < 0.9 * calibrate(brain, drifted, head.pre).noise
+
+
+def test_light_that_differs_between_the_volumes_is_taken_out(head: HeadPhantom) -> None:
+    brain = find_brain(head.pre, head.post)
+    u, v, w = np.meshgrid(*(np.linspace(-1, 1, n) for n in head.post.shape), indexing="ij", sparse=True)
+    lit = head.post.with_data((head.post.data * np.exp(0.3 * u - 0.2 * v + 0.1 * w)).astype(np.float32))
+    usual, comparison = compare(brain, head.post, head.pre), compare(brain, lit, head.pre)
+    assert comparison.steadier > 1.5
+    fields = [each.calibrated().field[brain.mask] for each in (usual, comparison)]
+    assert np.corrcoef(*fields)[0, 1] > 0.97
+    # The same wherever a file has its zero.
+    moved = compare(brain, lit.with_data(lit.data + 3000.0), head.pre)
+    assert moved.steadier == pytest.approx(comparison.steadier, rel=1e-3)
+    np.testing.assert_allclose(moved.calibrated().field[brain.mask], fields[1], atol=5e-3)
+
+
+def test_a_large_tumor_on_one_side_is_not_taken_for_light() -> None:
+    rng = np.random.default_rng(3)
+    place = rng.uniform(-1.0, 1.0, (60_000, 3))
+    before = rng.choice([300.0, 450.0, 500.0], len(place)) + rng.normal(0.0, 20.0, len(place))
+    expected = 1.4 * before + 80.0
+    after = expected + rng.normal(0.0, 30.0, len(place))
+    tumor = np.linalg.norm(place - (0.6, 0.2, 0.0), axis=1) < 0.55
+    assert 0.07 < tumor.mean() < 0.12
+    after[tumor] += 150.0
+    light, steadier = _light(before, after, expected, place)
+    assert steadier < STEADIER
+    # What is light by as much is told, tumor or no.
+    shades = (0.25, -0.1, 0.0)
+    light, steadier = _light(before, after * (1.0 + place @ shades), expected, place)
+    assert steadier > 2.0
+    np.testing.assert_allclose(light, shades, atol=0.03)
 
 
 def test_voxels_that_are_not_finite_do_not_spread(head: HeadPhantom) -> None:

@@ -106,6 +106,8 @@ def test_what_is_reached_through_a_thick_sheet_is_left_out_again() -> None:
         field, brain, ball((30, 30, 30), 4), 1.0, likely_shape=lambda there: float(there.sum() < 1.2 * tumor.sum())
     )
     assert intersection_over_union(kept.inside, tumor[kept.box]) > 0.85
+    assert kept.parted
+    assert not region.parted
 
 
 def test_a_rim_is_followed_where_it_is_thin_and_a_meninx_beside_it_is_not() -> None:
