@@ -222,9 +222,9 @@ def reach(
     rounds
         How often threshold and region are made from each other at the most.
     likely_shape
-        Returns how likely an object has the shape of the voxels inside, in [0, 1]. It is asked whenever they get near
-        the end of their box: if that is hopeless already, the region is not followed farther, because leaks through a
-        whole brain cost most of all. A region that is less likely than not is looked for with stricter gates, too.
+        Returns how likely an object has the shape of the voxels inside, in [0, 1]. It is asked about every region that
+        is reached. Where that is hopeless and gets near the end of its box, it is not followed farther, because leaks
+        through a whole brain cost most of all; what is less likely than not is looked for with stricter gates, too.
 
     Notes
     -----
