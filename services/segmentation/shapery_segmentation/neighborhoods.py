@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from shapery_geometry.concurrent import MANY_VOXELS, in_halves
+from shapery_geometry.concurrent import in_slabs
 from shapery_segmentation import _neighborhood_kernels as kernels
 
 BoolArray = NDArray[np.bool_]
@@ -59,9 +59,8 @@ def _squared_distances(mask: BoolArray, reach: int) -> NDArray[np.int16]:
     def across_slices(begin: int, end: int) -> None:
         kernels.squared_distances_across(reach, begin, end, lines, room, squared)
 
-    slices = max(1, MANY_VOXELS // max(mask.shape[1] * mask.shape[2], 1))
-    in_halves(within_slices, len(mask), slices)
-    in_halves(across_slices, len(mask), slices)
+    in_slabs(within_slices, mask.shape)
+    in_slabs(across_slices, mask.shape)
     return squared
 
 

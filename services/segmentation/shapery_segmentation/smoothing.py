@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from shapery_geometry.concurrent import MANY_VOXELS, in_halves
+from shapery_geometry.concurrent import in_slabs
 from shapery_segmentation import _smoothing_kernels as kernels
 
 FloatArray = NDArray[np.float32]
@@ -42,9 +42,8 @@ def gaussian(values: FloatArray, sigma: float | Sequence[float], *, truncate: fl
         line = np.empty(data.shape[2] + 2 * (len(third) - 1), dtype=np.float32)
         kernels.smooth_within(room, second, third, begin, end, line, out)
 
-    slices = max(1, MANY_VOXELS // (data.shape[1] * data.shape[2]))
-    in_halves(across, len(data), slices)
-    in_halves(within, len(data), slices)
+    in_slabs(across, data.shape)
+    in_slabs(within, data.shape)
     return out
 
 

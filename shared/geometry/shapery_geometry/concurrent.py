@@ -5,8 +5,9 @@ With ``NUMBA_NUM_THREADS=1`` everything is done one after the other, as a worker
 
 from __future__ import annotations
 
+import math
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
@@ -58,6 +59,12 @@ def in_halves(work: Callable[[int, int], Result], count: int, least: int) -> lis
         return [work(0, count)]
     middle = count // 2
     return list(both(lambda: work(0, middle), lambda: work(middle, count)))
+
+
+def in_slabs(work: Callable[[int, int], Result], shape: Sequence[int]) -> list[Result]:
+    """Return the work done on both halves of an array's slices along its first axis, where it has `MANY_VOXELS`."""
+    per_slice = max(1, math.prod(shape[1:]))
+    return in_halves(work, shape[0], max(2, MANY_VOXELS // per_slice))
 
 
 def both(first: Callable[[], Item], second: Callable[[], Result]) -> tuple[Item, Result]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapery_geometry import _resampling_kernels as kernels
-from shapery_geometry.concurrent import MANY_VOXELS, in_halves
+from shapery_geometry.concurrent import in_slabs
 
 
 def resample(
@@ -62,11 +62,7 @@ def resample(
         if min(values.shape) > 1 and crooked < 1e-6:
             kernels.linear_aligned(values, scale, offset, out, fill)
         else:
-            in_halves(
-                lambda begin, end: kernels.linear(values, matrix, offset, out, fill, begin, end),
-                shape[0],
-                max(1, MANY_VOXELS // max(shape[1] * shape[2], 1)),
-            )
+            in_slabs(lambda begin, end: kernels.linear(values, matrix, offset, out, fill, begin, end), shape)
     elif method == "nearest":
         dtype = data.dtype
         out = np.empty(shape, dtype=dtype)

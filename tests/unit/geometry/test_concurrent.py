@@ -7,7 +7,7 @@ import threading
 
 import pytest
 
-from shapery_geometry.concurrent import at_once, both, in_halves, threads
+from shapery_geometry.concurrent import MANY_VOXELS, at_once, both, in_halves, in_slabs, threads
 
 
 @pytest.fixture
@@ -60,6 +60,17 @@ def test_halves_are_worked_at_the_same_time_and_few_items_by_one() -> None:
 
     assert in_halves(work, 9, 5) == [range(4), range(4, 9)]
     assert in_halves(work, 9, 10) == [range(9)]
+
+
+@pytest.mark.usefixtures("two_threads")
+def test_large_arrays_are_halved_and_small_ones_are_not() -> None:
+    def ends(first: int, end: int) -> tuple[int, int]:
+        return first, end
+
+    assert in_slabs(ends, (6, MANY_VOXELS // 6, 1)) == [(0, 3), (3, 6)]
+    assert in_slabs(ends, (6, MANY_VOXELS // 12, 1)) == [(0, 6)]
+    assert in_slabs(ends, (1, MANY_VOXELS, 2)) == [(0, 1)]
+    assert in_slabs(ends, (0, 4, 0)) == [(0, 0)]
 
 
 @pytest.mark.parametrize(("asked", "taken"), [("1", 1), ("2", 2), ("64", 2)])

@@ -16,9 +16,9 @@ from shapery_geometry.intersections import self_intersections
 from shapery_geometry.mesh import TriangleMesh, icosphere
 from shapery_geometry.rasterize import rasterize
 from shapery_geometry.volume import Volume
-from shapery_segmentation.flow import FlowState, NormalFlowParams, evolving, normal, normal_flow
+from shapery_segmentation.flow import FlowState, NormalFlowParams, normal, normal_flow
 from shapery_segmentation.flow.evolving import Evolution
-from shapery_segmentation.mesh import DynamicMesh, contacts
+from shapery_segmentation.mesh import DynamicMesh
 from shapery_segmentation.seeding.ball import surface_of
 from tests.support.fields import assert_sound, ball, field_of, grid
 
@@ -301,25 +301,6 @@ def test_the_same_input_gives_the_same_bytes() -> None:
     )
     assert first.mesh.same_as(second.mesh)
     assert (first.threshold, first.iterations, first.stages) == (second.threshold, second.iterations, second.stages)
-
-
-@pytest.mark.parametrize("thorough", [False, True])
-def test_two_halves_at_once_give_the_same_bytes_as_one(thorough: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    rng = np.random.default_rng(11)
-    field = (3.0 * (ndimage.gaussian_filter(rng.normal(size=(24, 24, 24)), 1.2) * 6.0 + 0.4)).astype(np.float32)
-    ends = []
-    for many in (1, 10**9):
-        monkeypatch.setattr(contacts, "MANY", many)
-        monkeypatch.setattr(evolving, "MANY", many)
-        seed = icosphere((12.0, 12.0, 12.0), 6.0, 3)
-        evolution = Evolution(field, None, np.eye(4), seed, COARSE, 0.0, thorough)
-        evolution.run_stage(0, None)
-        ends.append(evolution.result(evolution.mesh.mend()))
-    first, second = ends
-    assert first.iterations > 20
-    assert first.frozen > 0
-    assert first.mesh.same_as(second.mesh)
-    assert replace(first, mesh=second.mesh) == second
 
 
 # --- what must hold whatever comes ---------------------------------------------------------------------------------

@@ -279,11 +279,11 @@ def _suspect(m, cells, moves, batch, clear, drift, first, end, found):
 
 
 @inner
-def _put_suspects_back(m, cells, moves, batch, wrong, first, end, size):
+def _put_suspects_back(m, cells, moves, batch, first, end, size):
     """Put back the movers of the pairs of faces from `first` to `end`; return the new length of the queue."""
     for i in range(first, end):
         for k in range(2):
-            f = np.int64(wrong[i, k])
+            f = np.int64(moves.wrong[i, k])
             size = _put_back(m, cells, f, batch, moves.state, moves.old, moves.queue, size)
     return size
 
@@ -302,8 +302,8 @@ def _settle(m, cells, moves, batch, limit, slack, middle, wrong, stars):
     """Do what `put_back` says."""
     state, old, queue, found = moves.state, moves.old, moves.queue, moves.found[0]
     # Nothing was put back before: those faces would be far from where they were sorted, and searches wide.
-    size = _put_suspects_back(m, cells, moves, batch, moves.wrong, 0, wrong[0], 0)
-    size = _put_suspects_back(m, cells, moves, batch, moves.wrong, middle, wrong[1], size)
+    size = _put_suspects_back(m, cells, moves, batch, 0, wrong[0], 0)
+    size = _put_suspects_back(m, cells, moves, batch, middle, wrong[1], size)
     size = _mend_suspects(m, cells, moves, batch, 0, stars[0], size)
     size = _mend_suspects(m, cells, moves, batch, 3 * middle, stars[1], size)
     done = 0
