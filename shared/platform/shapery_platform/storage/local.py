@@ -183,7 +183,14 @@ class LocalStore(ObjectStore):
         self.pin_blob(blob)
         target = self.path(blob.key)
         file.chmod(0o444)
-        if not self._link(file, target) and target.stat().st_size != size:
+        there = size
+        while not self._link(file, target):
+            try:
+                there = target.stat().st_size
+            except FileNotFoundError:
+                continue  # it was removed between the two calls
+            break
+        if there != size:
             # what is there is not what its name says: a disk was full or damaged; the sound bytes take its place
             replacement = self.temporary()
             os.link(file, replacement)
