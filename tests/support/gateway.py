@@ -24,11 +24,13 @@ import psutil
 from fastapi import FastAPI
 
 from shapery_gateway.app import create_app
-from shapery_gateway.server import READY, Server
+from shapery_gateway.server import GRACE_SECONDS, READY, Server
 from shapery_platform.settings import Settings
 from tests.support import processes
 
 TUS = {"Tus-Resumable": "1.0.0"}
+STOP_SECONDS = GRACE_SECONDS + 30
+"""A gateway waits for its requests, then for its messages to the queue; on a machine that is busy otherwise."""
 OFFSET_STREAM = "application/offset+octet-stream"
 
 
@@ -46,7 +48,7 @@ def served(settings: Settings, app: FastAPI | None = None) -> Iterator[str]:
         yield server.address
     finally:
         server.should_exit = True
-        thread.join(20)
+        thread.join(STOP_SECONDS)
         assert not thread.is_alive(), "the gateway did not stop"
 
 

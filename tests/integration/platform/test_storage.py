@@ -255,6 +255,25 @@ def test_a_damaged_local_blob_is_mended_by_the_next_upload(tmp_path: Path) -> No
     assert read(store, blob.key) == SMALL
 
 
+def test_a_blob_that_goes_while_it_is_published_is_there_in_the_end(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store = LocalStore(tmp_path)
+    blob = store.put_bytes(b"content")
+    link, answers = LocalStore._link, []
+
+    def link_and_lose(self: LocalStore, file: Path, target: Path) -> bool:
+        answers.append(link(self, file, target))
+        if len(answers) == 1:
+            store.delete(blob.key)
+        return answers[-1]
+
+    monkeypatch.setattr(LocalStore, "_link", link_and_lose)
+    assert store.put_bytes(b"content") == blob
+    assert answers == [False, True]
+    assert b"".join(store.iter_range(blob.key)) == b"content"
+
+
 def test_what_dead_writers_left_is_swept(tmp_path: Path) -> None:
     store = LocalStore(tmp_path)
     writer = store.writer()

@@ -118,6 +118,27 @@ def test_evidence_bears_halves_that_differ_by_a_few_millimetres() -> None:
     assert pair[ball((25, 48, 40), 6)].mean() < 0.25
 
 
+def shell(centre: tuple[int, int, int], outer: float, inner: float) -> np.ndarray:
+    return ball(centre, outer) & ~ball(centre, inner)
+
+
+@pytest.mark.parametrize("item", [ball((48, 48, 40), 8), shell((46, 55, 38), 14, 10)], ids=["solid", "rim"])
+def test_evidence_knows_the_own_mirror_image_of_what_lies_across_the_middle(item: np.ndarray) -> None:
+    assert weight_of(field_with(item))[item].mean() > 0.6
+
+
+def test_evidence_finds_none_in_veins_of_the_middle_and_in_pairs_beside_it() -> None:
+    along = np.abs(INDEX[..., 1] - 48) < 20
+    vein = (np.linalg.norm(INDEX[..., ::2] - np.array([48, 40]), axis=-1) <= 4) & along
+    assert weight_of(field_with(vein))[vein].mean() < 0.1
+    pair = ball((36, 48, 40), 7), ball((59, 48, 40), 7)
+    assert weight_of(field_with(*pair))[pair[0] | pair[1]].mean() < 0.1
+    # Enhancing meninges enclose the brain: nothing within them is more than a vein for that.
+    deep = (((INDEX - np.array([47.5, 47.5, 39.5])) / np.array([40, 42, 34])) ** 2).sum(axis=-1) < 1
+    meninges = BRAIN & ~deep
+    assert weight_of(field_with(meninges, vein))[vein].mean() < 0.1
+
+
 def test_blocks_are_averaged_and_spread_back() -> None:
     values = np.arange(5 * 4 * 3, dtype=np.float32).reshape(5, 4, 3)
     mean = block_mean(values, 2)

@@ -13,16 +13,12 @@ from scipy import ndimage
 from shapery_geometry.concurrent import both
 from shapery_segmentation.calibration import Calibration
 from shapery_segmentation.gate import LEVEL, LEVEL_RANGE, dense
-from shapery_segmentation.seeding.evidence import evidence
+from shapery_segmentation.seeding.evidence import SEED_THRESHOLD, evidence
 from shapery_segmentation.seeding.octree import OctreeCandidates, search_octree
 from shapery_segmentation.seeding.symmetry import SymmetryPlane, find_symmetry
 
 FloatArray = NDArray[np.float32]
 BoolArray = NDArray[np.bool_]
-
-SEED_THRESHOLD = 2.0
-"""Enhancement, in units of the calibrated difference, above which voxels make a seed. The surface's own threshold,
-which may be lower, follows from the seed."""
 
 LEAST_EVIDENCE_MM3 = 100.0
 """Candidates with less are not looked at: half of the evidence that is asked for in the end, and some margin."""

@@ -56,7 +56,6 @@ export class Stage {
   constructor(parent: HTMLElement, options: StageOptions) {
     this.#options = options;
     this.canvas.tabIndex = 0;
-    this.canvas.setAttribute("role", "img");
     parent.append(this.canvas);
     this.camera.up.set(...(options.up ?? [0, 1, 0]));
     const light = new DirectionalLight("#ffffff", 2);
@@ -74,6 +73,7 @@ export class Stage {
 
   /** What tests and those who do not see it know it by. */
   tell(label: string, testId: string): void {
+    this.canvas.setAttribute("role", "img");
     this.canvas.setAttribute("aria-label", `${label} Arrow keys turn it, plus and minus zoom, Home shows all of it.`);
     this.canvas.dataset.testid = testId;
   }

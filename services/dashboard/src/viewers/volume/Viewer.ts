@@ -68,6 +68,7 @@ export class Viewer extends Niivue {
     this.holder.append(this.canvas);
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute("role", "img");
+    this.canvas.setAttribute("aria-label", "The volume.");
     this.canvas.addEventListener("webglcontextlost", (event) => {
       event.preventDefault();
       this.#usable = false;
