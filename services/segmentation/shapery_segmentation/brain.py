@@ -19,6 +19,7 @@ from shapery_geometry.concurrent import both
 from shapery_geometry.volume import Volume
 from shapery_segmentation.neighborhoods import depths, dilated, eroded, filled
 from shapery_segmentation.preparation import WorkingGrid, working_grid
+from shapery_segmentation.smoothing import gaussian
 
 BoolArray = NDArray[np.bool_]
 
@@ -47,8 +48,16 @@ UNDER_SKULL = 15.0
 BIAS_SCALE = 25.0
 """mm: standard deviation of the Gaussian over which the brain's local brightness is averaged."""
 
-REGROWN, CLOSED = 8, 5
-"""Coarse voxels by which the brain is grown back through tissue, and then closed over its sulci."""
+MOSTLY = 0.6
+"""Share of tissue around a coarse voxel, by the weights of a Gaussian of one voxel, from which its holes are filled."""
+
+ERODED, REGROWN, CLOSED = 3, 8, 5
+"""Coarse voxels by which the head's tissue is eroded, the brain grown back through it, and then closed over its
+sulci."""
+
+FACE, LOW = 0.25, 0.35
+"""What another erosion parts from the brain is face and neck if it is larger than this share of the rest and lies lower
+than this: 1 is the vertex, 0 lies `HEIGHT` below it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,6 +179,19 @@ def closed(mask: BoolArray, steps: int) -> BoolArray:
     return np.asarray(filled(wide)[inside] | mask)
 
 
+def surrounded(mask: BoolArray) -> BoolArray:
+    """Return `mask` and the voxels from which it is met in four of the six directions of the axes.
+
+    The inside of a head is no hole where the volume ends in the neck, where nose and orbits open the skull, or where
+    the scalp is too dim.
+    """
+    met = np.zeros(mask.shape, dtype=np.uint8)
+    for axis in range(3):
+        met += np.logical_or.accumulate(mask, axis=axis)
+        met += np.flip(np.logical_or.accumulate(np.flip(mask, axis), axis=axis), axis)
+    return np.asarray(met >= 4)
+
+
 def _is_stripped(image: NDArray[np.float32], foreground: BoolArray) -> bool:
     """Tell whether the foreground is a brain alone: no larger than one, and without a bright skin around it."""
     if foreground.sum() * COARSE**3 > LARGEST_BRAIN:
@@ -187,7 +209,8 @@ def _strip(image: NDArray[np.float32], foreground: BoolArray) -> BoolArray:
     The tissue deep in the head tells the brain's intensities; of the voxels that have them, those that hang together
     after an erosion (which cuts the bridges of meninges, nerves and vessels through the skull) are grown back.
     """
-    head = closed(foreground, 3)
+    # The skull parts brain and scalp, of which only the larger is in the foreground.
+    head = surrounded(closed(foreground, 3))
     depth = depths(head) * COARSE
     deep = head & (depth > min(30.0, 0.6 * float(depth.max())))
     if not deep.any():
@@ -198,29 +221,47 @@ def _strip(image: NDArray[np.float32], foreground: BoolArray) -> BoolArray:
     inner = (head & (depth > UNDER_SKULL)).astype(np.float32)
     capped = np.minimum(image, 1.5 * middle) * inner
     sigma = BIAS_SCALE / COARSE
-    share = ndimage.gaussian_filter(inner, sigma)
-    local = ndimage.gaussian_filter(capped, sigma) / np.maximum(share, 1e-3)
+    share = gaussian(inner, sigma)
+    local = gaussian(capped, sigma) / np.maximum(share, 1e-3)
     even = np.where(share > 1e-3, image / np.maximum(local, 0.1 * middle), 0.0)
     values = even[deep]
     middle = float(np.median(values))
     spread = 1.4826 * float(np.median(np.abs(values - middle)))
     tissue = head & (even > max(middle - 2.5 * spread, 0.6 * middle)) & (even < middle + 4.0 * spread)
-    # Scalp is never deeper than this; near the rim only what an inner core reaches counts.
-    seed = eroded(tissue & (depth > 6.0), 3)
+    # Sulci and ventricles are holes in the tissue, smaller than the skull is thick: they must not part the brain. Scalp
+    # is never deeper than 6 mm; near the rim only what an inner core reaches counts.
+    solid = (gaussian(tissue.astype(np.float32), 1.0) > MOSTLY) & (depth > 6.0)
+    # The grid's last axis is the one nearest to superior.
+    top = int(np.flatnonzero(head.any(axis=(0, 1)))[-1])
+    height = np.clip(1.0 - (top - np.arange(head.shape[2])) * COARSE / HEIGHT, 0.0, 1.0)
+    core = _core(solid, tissue, depth * height, ERODED)
+    # Face and neck hang together with the brain where the base of the skull is thin. They are what goes with further
+    # erosions, is large, and lies low.
+    for steps in range(ERODED + 1, ERODED + 3):
+        less = _core(solid, tissue, depth * height, steps)
+        gone = largest_part(core & ~less)
+        size = np.count_nonzero(gone)
+        if size > FACE * np.count_nonzero(less) and float(gone.sum(axis=(0, 1)) @ height) < LOW * size:
+            core = less
+    return np.asarray(closed(core, CLOSED) & (depth > 4.0))
+
+
+def _core(solid: BoolArray, tissue: BoolArray, weight: NDArray[np.float32], steps: int) -> BoolArray:
+    """Return the part of `solid` with the most weight after an erosion, grown back through `tissue`.
+
+    The most depth near the vertex, not the most voxels: the muscles of face and neck are large, but near the skin and
+    far below.
+    """
+    seed = eroded(solid, steps)
     labels, count = ndimage.label(seed)
     if count == 0:
-        return np.zeros_like(foreground)
-    # The part with the most depth, not the most voxels, and near the vertex: the muscles of face and neck are large,
-    # but near the skin and far below. The grid's last axis is the one nearest to superior.
-    top = int(np.flatnonzero(head.any(axis=(0, 1)))[-1])
-    below = (top - np.arange(head.shape[2])) * COARSE
-    height = np.clip(1.0 - below / HEIGHT, 0.0, 1.0)
-    weight = ndimage.sum_labels(np.where(seed, depth * height, 0.0), labels, np.arange(1, count + 1))
-    core = labels == int(np.argmax(weight)) + 1
+        return np.zeros_like(solid)
+    sums = ndimage.sum_labels(np.where(seed, weight, 0.0), labels, np.arange(1, count + 1))
+    core = labels == int(np.argmax(sums)) + 1
     # Step by step through tissue: a ball of the same reach would jump the skull.
-    for _ in range(REGROWN):
+    for _ in range(REGROWN + steps - ERODED):
         core = core | (dilated(core, 1) & tissue)
-    return np.asarray(closed(core, CLOSED) & (depth > 4.0))
+    return np.asarray(core)
 
 
 def _background_value(volume: Volume) -> float | None:
@@ -241,12 +282,14 @@ def _not_background(grid: WorkingGrid, volume: Volume) -> BoolArray:
     if background is None:
         return np.ones(grid.shape, dtype=np.bool_)
     values = grid.sample(volume.with_data((volume.data != background).astype(np.float32)))
-    return np.asarray(np.nan_to_num(values, nan=0.0) > 0.5)
+    with np.errstate(invalid="ignore"):
+        return np.asarray(values > 0.5)
 
 
 def _upsampled(grid: WorkingGrid, coarse: WorkingGrid, mask: BoolArray) -> BoolArray:
     values = grid.sample(Volume(mask.astype(np.float32), coarse.affine))
-    return np.asarray(np.nan_to_num(values, nan=0.0) >= 0.5)
+    with np.errstate(invalid="ignore"):
+        return np.asarray(values >= 0.5)
 
 
 def _box_on(full: WorkingGrid, coarse: WorkingGrid, mask: BoolArray) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

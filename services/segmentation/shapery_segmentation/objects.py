@@ -20,7 +20,7 @@ from shapery_segmentation.evolution import Frame, Recorder, Scene
 from shapery_segmentation.flow.normal import FlowState, NormalFlowParams, normal_flow
 from shapery_segmentation.gate import LEVEL_RANGE, Region, contrast, reach
 from shapery_segmentation.labels import close_seam, enhancing_part, fill_enclosed, fill_indentations, with_enclosed
-from shapery_segmentation.neighborhoods import within
+from shapery_segmentation.neighborhoods import depths, within
 from shapery_segmentation.seeding.ball import seed_ball, surface_of
 from shapery_segmentation.seeding.candidates import LEAST_WEIGHT, Candidate
 from shapery_segmentation.shrinking import shrinking_note
@@ -50,6 +50,15 @@ veins 2.4 and more."""
 DISTINCT = (2.4, 0.15)
 """Centre and width of a step in the contrast of an object to its surroundings (see `shapery_segmentation.gate`). Normal
 tissue that a bias field raised has 1.7 to 2.0; the weakest tumors with expert labels have 2.9."""
+
+LONG = (3.0, 0.25)
+"""Centre and width of a step in the length of an object relative to its thickness (see `elongation`): round tumors have
+1.2 to 2, long ones up to 4.2, pieces of dural sinuses 4 and more."""
+
+ALONG_THE_EDGE = (8.0, 1.0)
+"""Centre and width of a step in the median distance of an object from the brain's edge in mm. What is long and lies
+nearer is a dural sinus: its inner side is too deep for the evidence of single voxels to tell (see
+`shapery_segmentation.seeding.evidence`), but all of it follows the edge."""
 
 PARTED = 0.85
 """Confidence in what only a stricter gate parted from a tree or a sheet, relative: it may be a part of that."""
@@ -187,6 +196,21 @@ def spread(mask: BoolArray) -> float:
     return float(gyration / (3.0 * len(inside) / (4.0 * np.pi)) ** (1 / 3))
 
 
+def elongation(mask: BoolArray) -> float:
+    """Return how long a mask is relative to its thickness: standard deviations along its first and last main axes.
+
+    Parameters
+    ----------
+    mask : (I, J, K) bool
+        At least one voxel.
+    """
+    places = np.stack(np.unravel_index(np.flatnonzero(mask), mask.shape)).astype(np.float64)
+    places -= places.mean(axis=1, keepdims=True)
+    # A voxel itself has a variance of a twelfth.
+    variances = np.linalg.eigvalsh(places @ places.T / places.shape[1] + np.eye(3) / 12.0)
+    return float(np.sqrt(variances[2] / variances[0]))
+
+
 def _confidence(evidence_mm3: float, calibration: Calibration) -> float:
     confidence = evidence_mm3 / (evidence_mm3 + HALF_CONFIDENCE_MM3)
     # After contrast alone brightness says half as much.
@@ -196,8 +220,8 @@ def _confidence(evidence_mm3: float, calibration: Calibration) -> float:
 def _judge(candidate: Candidate, region: Region, weight: FloatArray, brain: Brain, calibration: Calibration) -> float:
     """Return the confidence that the region which a candidate reached is a tumor.
 
-    It is the product of what the region is made of, its shape, and how far it stands out: each of these can refuse it
-    by itself, however large it is.
+    It is the product of what the region is made of, its shape, how far it stands out, and whether it is no piece of a
+    sinus: each of these can refuse it by itself, however large it is.
     """
     own = weight[region.box][region.inside]
     evidence = float(own[own > LEAST_WEIGHT].sum()) * brain.grid.spacing**3
@@ -215,7 +239,17 @@ def _judge(candidate: Candidate, region: Region, weight: FloatArray, brain: Brai
         * (PARTED if region.parted else 1.0)
         * _compact(core)
         * _logistic((stands_out - DISTINCT[0]) / DISTINCT[1])
+        * (1.0 - _follows_the_edge(core, region, brain))
     )
+
+
+def _follows_the_edge(core: BoolArray, region: Region, brain: Brain) -> float:
+    """Return how likely an object is a piece of a dural sinus, by its shape and place; in [0, 1]."""
+    long = _logistic((elongation(core) - LONG[0]) / LONG[1])
+    if long < 0.01:
+        return 0.0
+    depth = depths(brain.mask)[region.box][core] * brain.grid.spacing
+    return long * _logistic((ALONG_THE_EDGE[0] - float(np.median(depth))) / ALONG_THE_EDGE[1])
 
 
 def _compact(core: BoolArray) -> float:

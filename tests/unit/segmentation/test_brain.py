@@ -8,8 +8,8 @@ from scipy import ndimage
 
 from shapery_contracts.errors import InvalidInput
 from shapery_geometry.volume import Volume
-from shapery_segmentation.brain import closed, find_brain, largest_part, otsu
-from shapery_segmentation.phantoms import HeadPhantom
+from shapery_segmentation.brain import closed, find_brain, largest_part, otsu, surrounded
+from shapery_segmentation.phantoms import HeadPhantom, head_phantom
 
 
 def cavity_of(head: HeadPhantom) -> np.ndarray:
@@ -31,6 +31,44 @@ def test_brain_of_a_whole_head(head: HeadPhantom) -> None:
     assert np.count_nonzero(mask & inside) > 0.97 * np.count_nonzero(mask)
     assert np.count_nonzero(mask & inside) > 0.75 * np.count_nonzero(inside)
     assert mask[head.truth.data > 0].mean() > 0.97
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("seed", "rotation", "noise"),
+    [
+        # The scalp is the largest part of what is bright, and the neck is cut off askew.
+        (90007, (13.0, -10.0, 12.0), 0.05),
+        (90055, (2.0, 15.0, -3.0), 0.05),
+        # The base of the skull is thin: face and brain hang together.
+        (50015, (10.0, -10.0, -3.0), 0.025),
+        (50026, (13.0, -8.0, 10.0), 0.025),
+    ],
+)
+def test_brain_of_a_tilted_head(seed: int, rotation: tuple[float, float, float], noise: float) -> None:
+    def drawn(*, stripped: bool) -> HeadPhantom:
+        rng = np.random.default_rng(seed)
+        return head_phantom(
+            rng, (136, 160, 136), (1.25, 1.25, 1.25), tumors=(), rotation=rotation, noise=noise, stripped=stripped
+        )
+
+    whole, inside = drawn(stripped=False), drawn(stripped=True).pre.data > 0
+    brain = find_brain(whole.pre, whole.post)
+    mask = brain.grid.to_source(brain.mask)
+    assert not brain.stripped
+    assert np.count_nonzero(mask & inside) > 0.9 * np.count_nonzero(inside)
+    assert np.count_nonzero(mask & ~inside) < 0.15 * np.count_nonzero(inside)
+
+
+def test_what_is_met_from_four_sides_is_surrounded() -> None:
+    ring = np.zeros((9, 9, 9), bool)
+    ring[1:8, 1:8, 2:7] = True
+    ring[2:7, 2:7] = False  # a tube, open at both ends
+    filled = ring.copy()
+    filled[2:7, 2:7, 2:7] = True
+    np.testing.assert_array_equal(surrounded(ring), filled)
+    ring[1:3] = False  # and at one side
+    assert not surrounded(ring)[4, 4].any()
 
 
 def test_stripped_brain_is_taken_as_it_is(tilted_head: HeadPhantom) -> None:

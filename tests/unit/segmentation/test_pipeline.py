@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from shapery_contracts.errors import InvalidInput, JobCancelled
 from shapery_contracts.segmentation import SegmentationParams, SegmentationResult
@@ -17,7 +18,7 @@ from shapery_geometry.rasterize import rasterize
 from shapery_geometry.volume import Volume
 from shapery_geometry.volume_io import read_volume
 from shapery_segmentation import Segmentation, segment, write_outputs
-from shapery_segmentation.objects import spread
+from shapery_segmentation.objects import elongation, spread
 from shapery_segmentation.phantoms import HeadPhantom, TumorSpec, head_phantom
 from shapery_segmentation.registration import rigid
 
@@ -261,6 +262,39 @@ def test_spread_tells_balls_from_trees() -> None:
     assert spread(np.linalg.norm(index, axis=-1) <= 15) == pytest.approx(np.sqrt(3 / 5), rel=0.01)
     assert spread(np.hypot(index[..., 0], index[..., 1]) <= 2) > 1.7
     assert 0 < spread(index.any(axis=-1) == 0) < 1.0
+
+
+def test_elongation_is_that_of_an_ellipsoid_however_it_lies() -> None:
+    index = np.stack(np.meshgrid(*(np.arange(61),) * 3, indexing="ij"), axis=-1) - 30.0
+    turned = index @ Rotation.from_euler("xyz", (20, -35, 50), degrees=True).as_matrix()
+    for axes, expected in (((12, 12, 12), 1.0), ((24, 12, 8), 3.0), ((28, 6, 6), 28 / 6)):
+        assert elongation(((turned / np.array(axes)) ** 2).sum(axis=-1) <= 1) == pytest.approx(expected, rel=0.04)
+    assert elongation(np.ones((1, 1, 1), dtype=np.bool_)) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("seed", [7, 1011, 1030])
+def test_a_wide_dural_sinus_is_no_tumor(seed: int) -> None:
+    shape, spacing = {
+        7: ((100, 120, 100), (1.6, 1.6, 1.6)),
+        1011: ((128, 154, 128), (1.25, 1.25, 1.25)),
+        1030: ((160, 192, 54), (1.0, 1.0, 3.0)),
+    }[seed]
+    spec = TumorSpec(radius=8.0, rim=9.0) if seed == 1011 else TumorSpec()
+    phantom = head_phantom(np.random.default_rng(seed), shape, spacing, tumors=[spec])
+    found = segment(phantom.post, phantom.pre)
+    assert len(found.report.objects) == 1
+    assert overlaps(found, phantom)[1] > 0.85
+
+
+@pytest.mark.parametrize("seed", [1008, 1009, 1023])
+def test_a_tumor_across_the_middle_is_found(seed: int) -> None:
+    spec = TumorSpec(site="midline", radius=14.0)
+    phantom = head_phantom(
+        np.random.default_rng(seed), (126, 150, 126), (1.25, 1.25, 1.25), tumors=[spec], rotation=(0, 5, 9)
+    )
+    found = segment(phantom.post, phantom.pre)
+    assert len(found.report.objects) == 1
+    assert overlaps(found, phantom)[1] > 0.9
 
 
 def test_a_rim_that_is_thin_on_one_side_is_found_all_around() -> None:

@@ -38,9 +38,9 @@ SEED_THRESHOLD = 2.0
 """Enhancement, in units of the calibrated difference, above which voxels make a seed. The surface's own threshold,
 which may be lower, follows from the seed."""
 
-THICKER = 7.0
+THICKER = 6.0
 """mm: radius of the ball that fits into whatever lies across the middle plane and is no vein. Veins and sinuses there
-are 3 to 8 mm across, but where the straight sinus begins, three of them and the tentorium meet: a ball of 6 mm fits."""
+are 3 to 8 mm across, but where the straight sinus begins, three of them and the tentorium meet: a ball of 5 mm fits."""
 
 LEAST_RIM = 0.2
 """Share of enhancing voxels in what lies across the middle plane, with what it encloses: a rim of 3 mm around a core of
