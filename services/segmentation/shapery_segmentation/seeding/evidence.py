@@ -38,9 +38,9 @@ SEED_THRESHOLD = 2.0
 """Enhancement, in units of the calibrated difference, above which voxels make a seed. The surface's own threshold,
 which may be lower, follows from the seed."""
 
-THICKER = 6.0
+THICKER = 7.0
 """mm: radius of the ball that fits into whatever lies across the middle plane and is no vein. Veins and sinuses there
-are 3 to 8 mm across, but where the straight sinus begins, three of them and the tentorium meet: a ball of 5 mm fits."""
+are 3 to 8 mm across, but where the straight sinus begins, three of them and the tentorium meet: a ball of 6 mm fits."""
 
 LEAST_RIM = 0.2
 """Share of enhancing voxels in what lies across the middle plane, with what it encloses: a rim of 3 mm around a core of
@@ -87,7 +87,7 @@ def evidence(
     reach = max(1, round(TOLERANCE / 2 / size))
     image = ndimage.maximum_filter(mirror, size=2 * reach + 1, mode="nearest")
     bright = dense((mean > SEED_THRESHOLD) & inside, size)
-    own = _own_image(bright & (image > ASYMMETRY[0]), plane, size, (factor - 1) / 2 * spacing)
+    own = _own_image(bright, plane, size, (factor - 1) / 2 * spacing)
     asymmetry = np.where(own, smooth, smooth - image)
 
     # Outside the array begins what is not brain.
@@ -97,13 +97,12 @@ def evidence(
     return spread(weight.astype(np.float32), factor, field.shape)
 
 
-def _own_image(paired: BoolArray, plane: SymmetryPlane, size: float, first: float) -> BoolArray:
-    """Return the blocks of thick things across the middle plane, of those that are as bright in their mirror image.
+def _own_image(bright: BoolArray, plane: SymmetryPlane, size: float, first: float) -> BoolArray:
+    """Return the bright blocks of what lies thick across the middle plane.
 
     Parameters
     ----------
-    paired : (I, J, K) bool
-        Blocks that are bright and whose mirror image is.
+    bright : (I, J, K) bool
     plane
         Between the halves of the brain.
     size, first
@@ -111,11 +110,11 @@ def _own_image(paired: BoolArray, plane: SymmetryPlane, size: float, first: floa
     """
     across = [
         normal * (first + size * np.arange(n)).reshape([-1 if a == axis else 1 for a in range(3)])
-        for axis, (normal, n) in enumerate(zip(plane.normal, paired.shape, strict=True))
+        for axis, (normal, n) in enumerate(zip(plane.normal, bright.shape, strict=True))
     ]
     middle = np.abs(across[0] + across[1] + across[2] - plane.distance) <= size
-    crossing, count = ndimage.label(connected(paired, paired & middle))
-    own = np.zeros_like(paired)
+    crossing, count = ndimage.label(connected(bright, bright & middle))
+    own = np.zeros_like(bright)
     for number, box in enumerate(ndimage.find_objects(crossing, count), start=1):
         if min(side.stop - side.start for side in box) * size <= 2 * THICKER:
             continue
