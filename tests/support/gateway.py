@@ -8,7 +8,10 @@
 
 from __future__ import annotations
 
+import asyncio
 import base64
+import gc
+import io
 import signal
 import socket
 import struct
@@ -16,6 +19,7 @@ import subprocess
 import sys
 import threading
 import time
+import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -49,7 +53,18 @@ def served(settings: Settings, app: FastAPI | None = None) -> Iterator[str]:
     finally:
         server.should_exit = True
         thread.join(STOP_SECONDS)
-        assert not thread.is_alive(), "the gateway did not stop"
+        assert not thread.is_alive(), f"the gateway did not stop:\n{_what_runs()}"
+
+
+def _what_runs() -> str:
+    """Return the stacks of all threads, and of the tasks of all event loops."""
+    text = io.StringIO()
+    for number, frame in sys._current_frames().items():
+        print(f"thread {number}:", *traceback.format_stack(frame), file=text)
+    for loop in [item for item in gc.get_objects() if isinstance(item, asyncio.AbstractEventLoop)]:
+        for task in asyncio.all_tasks(loop):
+            task.print_stack(file=text)
+    return text.getvalue()
 
 
 class GatewayProcess:

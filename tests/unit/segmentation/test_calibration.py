@@ -91,7 +91,7 @@ def test_a_drift_between_the_volumes_is_taken_out_where_that_is_asked_for(head: 
         return float((np.median(field[rim]) - np.median(field[normal])) / field[normal].std())
 
     once, twice = (calibrate(brain, post, head.pre, without_drift=True) for post in (head.post, drifted))
-    assert np.corrcoef(once.field[normal], twice.field[normal])[0, 1] > 0.98
+    assert np.corrcoef(once.field[normal], twice.field[normal])[0, 1] > 0.96
     assert parted(twice.field) > 1.1 * parted(calibrate(brain, drifted, head.pre).field)
     assert twice.noise < 0.9 * calibrate(brain, drifted, head.pre).noise
 
