@@ -66,6 +66,9 @@ MANY = 20_000
 HOPELESS = 0.01
 """Likelihood of its shape below which a region that still grows is not followed farther."""
 
+DOUBTFUL = 0.3
+"""Likewise for a region whose seed has no object's shape itself: it might lead through a whole brain."""
+
 SURROUNDINGS = (2.0, 6.0)
 """mm from an object at which the shell around it begins, past the border's partial volume, and ends."""
 
@@ -236,9 +239,11 @@ def reach(
     leaks all the same, a stricter one takes its place. In the end the rim around what the region encloses is followed
     where it is thinner than the gate lets through (see `_closed`).
     """
-    region = _reach(field, brain, seed, spacing, rounds, likely_shape, LEAST_DENSITY)
+    shapeless = likely_shape is not None and likely_shape(seed[box_around(seed, seed.shape, 0)]) < 0.5
+    hopeless = DOUBTFUL if shapeless else HOPELESS
+    region = _reach(field, brain, seed, spacing, rounds, likely_shape, LEAST_DENSITY, hopeless)
     lost = region.likely < 0.5
-    if lost and likely_shape is not None and likely_shape(seed[box_around(seed, seed.shape, 0)]) < 0.5:
+    if lost and shapeless:
         # A tree or a sheet from the beginning.
         return region
     if region.stands_out < LEAST_CONTRAST:
@@ -246,7 +251,7 @@ def reach(
     whole = with_enclosed(region.inside, spacing)
     taken = LEAST_DENSITY
     for density in STRICTER if lost else _promising(field, brain, region, whole, seed, spacing):
-        stricter = _reach(field, brain, seed, spacing, rounds, likely_shape, density)
+        stricter = _reach(field, brain, seed, spacing, rounds, likely_shape, density, hopeless)
         if lost:
             better = stricter.likely >= 0.5
             lost, stricter = not better, replace(stricter, parted=True)
@@ -342,6 +347,7 @@ def _reach(
     rounds: int,
     likely_shape: Callable[[BoolArray], float] | None,
     density: float,
+    hopeless: float,
 ) -> Region:
     """Return what `reach` does for one gate, in a box that is large enough."""
     box = box_around(seed, seed.shape, 3 * _MARGIN)
@@ -349,7 +355,7 @@ def _reach(
         region = _reach_in(field, brain, seed, spacing, rounds, box, density)
         if likely_shape is not None:
             region = replace(region, likely=likely_shape(region.inside))
-        if region.likely < HOPELESS or not _near_end(region.inside, box, seed.shape):
+        if region.likely < hopeless or not _near_end(region.inside, box, seed.shape):
             return region
         near = box_around(region.inside | seed[box], region.inside.shape, 0)
         i, j, k = (
