@@ -74,9 +74,14 @@ def test_reach_gives_up_what_has_left_its_box_and_is_no_object() -> None:
         return 0.0
 
     region = reach(field, brain, seed, 1.0, likely_shape=hopeless)
-    assert asked[0] == int(region.inside.sum())
+    # About the seed, then about the region in the first box.
+    assert asked == [int(seed.sum()), int(region.inside.sum())]
     whole = reach(field, brain, seed, 1.0, likely_shape=lambda inside: 1.0)
-    assert asked[0] < whole.inside.sum() == tube(6).sum()
+    assert asked[1] < whole.inside.sum() == tube(6).sum()
+    # A doubtful shape is followed only if it began as an object's.
+    assert reach(field, brain, seed, 1.0, likely_shape=lambda inside: 0.2).inside.sum() == asked[1]
+    began = reach(field, brain, seed, 1.0, likely_shape=lambda inside: 0.9 if inside.sum() == seed.sum() else 0.2)
+    assert began.inside.sum() > asked[1]
     # What lies in its first box is asked about in the end only.
     asked.clear()
     small = np.where(ball((35, 30, 30), 8), 5.0, 0.0).astype(np.float32)
@@ -86,7 +91,7 @@ def test_reach_gives_up_what_has_left_its_box_and_is_no_object() -> None:
         return 1.0
 
     reach(small, brain, ball((35, 30, 30), 3), 1.0, likely_shape=likely)
-    assert len(asked) == 1
+    assert len(asked) == 2
 
 
 def test_what_is_reached_through_a_thick_sheet_is_left_out_again() -> None:
