@@ -241,7 +241,7 @@ def _strip(image: NDArray[np.float32], foreground: BoolArray) -> BoolArray:
         less = _core(solid, tissue, depth * height, steps)
         gone = largest_part(core & ~less)
         size = np.count_nonzero(gone)
-        if size > FACE * np.count_nonzero(less) and float(gone.sum(axis=(0, 1)) @ height) < LOW * size:
+        if size > FACE * np.count_nonzero(less) > 0 and float(gone.sum(axis=(0, 1)) @ height) < LOW * size:
             core = less
     return np.asarray(closed(core, CLOSED) & (depth > 4.0))
 
