@@ -99,53 +99,71 @@ def squared_distances_across(reach: int, begin: int, end: int, lines: Array, roo
                     _least(room[i + step, j], step * step, out[i, j])
 
 
+@njit(inline="always")
+def _visit(left: Array, begin: int, end: int, queue: Array, count: int) -> int:
+    """Take the first voxel of each run that is left between two flat indices into the queue; return its new length."""
+    waiting = False
+    for n in range(begin, end):
+        here = left[n]
+        if here and not waiting:
+            left[n] = False
+            queue[count] = n
+            count += 1
+        waiting = here
+    return count
+
+
 @njit(cache=True, nogil=True)
-def fill(mask: Array, queue: Array, count: int, out: Array) -> None:
-    """Set in `out` the voxels of `mask` that paths through faces lead to.
+def take_connected(left: Array, start: Array, queue: Array) -> None:
+    """Take away the voxels of a mask that paths through faces lead to.
 
     Parameters
     ----------
-    mask : (I, J, K) bool
+    left : (I, J, K) bool
+        The mask; what is reached becomes false.
+    start : (n,) int64
+        Flat indices of voxels from which paths begin.
     queue : (I·J·K,) int64
-        Flat indices of the `count` voxels to start from, all in `mask`; then room.
-    out : (I, J, K) bool
-        False at first.
+        Room.
+
+    Notes
+    -----
+    Run by run: what is reached is followed along its row, and in the four rows beside that run one voxel of each run
+    waits. A voxel waits once at the most, so there is room.
     """
-    ni, nj, nk = mask.shape
-    inside, reached = mask.ravel(), out.ravel()
-    for n in range(count):
-        reached[queue[n]] = True
-    done = 0
-    while done < count:
-        at = queue[done]
-        done += 1
-        k = at % nk
-        j = (at // nk) % nj
-        i = at // (nj * nk)
-        for side in range(6):
-            if side == 0 and k > 0:
-                beside = at - 1
-            elif side == 1 and k < nk - 1:
-                beside = at + 1
-            elif side == 2 and j > 0:
-                beside = at - nk
-            elif side == 3 and j < nj - 1:
-                beside = at + nk
-            elif side == 4 and i > 0:
-                beside = at - nj * nk
-            elif side == 5 and i < ni - 1:
-                beside = at + nj * nk
-            else:
-                continue
-            if inside[beside] and not reached[beside]:
-                reached[beside] = True
-                queue[count] = beside
-                count += 1
+    ni, nj, nk = left.shape
+    flat = left.ravel()
+    for first in start:
+        if not flat[first]:
+            continue
+        flat[first] = False
+        queue[0] = first
+        count = 1
+        while count > 0:
+            count -= 1
+            at = queue[count]
+            row = at // nk
+            begin, end = at, at + 1
+            while begin > row * nk and flat[begin - 1]:
+                begin -= 1
+                flat[begin] = False
+            while end < (row + 1) * nk and flat[end]:
+                flat[end] = False
+                end += 1
+            j = row % nj
+            if j > 0:
+                count = _visit(flat, begin - nk, end - nk, queue, count)
+            if j < nj - 1:
+                count = _visit(flat, begin + nk, end + nk, queue, count)
+            if row >= nj:
+                count = _visit(flat, begin - nj * nk, end - nj * nk, queue, count)
+            if row < (ni - 1) * nj:
+                count = _visit(flat, begin + nj * nk, end + nj * nk, queue, count)
 
 
 @njit(cache=True, nogil=True)
-def keep_large(chosen: Array, left: Array, least: float, out: Array) -> None:
-    """Write the parts of a mask, connected through 26 neighbours, of at least `least` voxels.
+def gather_parts(chosen: Array, left: Array, voxels: Array, ends: Array) -> int:
+    """Write the parts of a mask, connected through 26 neighbours, one after the other.
 
     Parameters
     ----------
@@ -153,30 +171,35 @@ def keep_large(chosen: Array, left: Array, least: float, out: Array) -> None:
         Flat indices of the mask's voxels. The time is that of looking at their neighbours.
     left : (I, J, K) bool
         The mask; emptied.
-    least : float
-    out : (I, J, K) bool
-        Receives the parts.
+    voxels : (n,) int64
+        Receives the flat indices, part by part; the parts in the order of their first voxel in `chosen`.
+    ends : (n,) int64
+        Receives where in `voxels` each part ends.
+
+    Returns
+    -------
+    int
+        How many parts there are.
     """
     nx, ny, nz = left.shape
-    queue = np.empty(chosen.shape[0], np.int64)
+    parts = done = size = 0
     for n in range(chosen.shape[0]):
         i, j, k = chosen[n] // (ny * nz), (chosen[n] // nz) % ny, chosen[n] % nz
         if not left[i, j, k]:
             continue
         left[i, j, k] = False
-        queue[0] = chosen[n]
-        done, size = 0, 1
+        voxels[size] = chosen[n]
+        size += 1
         while done < size:
-            i, j, k = queue[done] // (ny * nz), (queue[done] // nz) % ny, queue[done] % nz
+            i, j, k = voxels[done] // (ny * nz), (voxels[done] // nz) % ny, voxels[done] % nz
             done += 1
             for a in range(max(i - 1, 0), min(i + 2, nx)):
                 for b in range(max(j - 1, 0), min(j + 2, ny)):
                     for c in range(max(k - 1, 0), min(k + 2, nz)):
                         if left[a, b, c]:
                             left[a, b, c] = False
-                            queue[size] = (a * ny + b) * nz + c
+                            voxels[size] = (a * ny + b) * nz + c
                             size += 1
-        if size >= least:
-            for done in range(size):
-                i, j, k = queue[done] // (ny * nz), (queue[done] // nz) % ny, queue[done] % nz
-                out[i, j, k] = True
+        ends[parts] = size
+        parts += 1
+    return parts

@@ -97,8 +97,29 @@ class Calibration:
 
 
 @dataclass(frozen=True, eq=False)
+class Fit:
+    """How one volume follows from the other.
+
+    Parameters
+    ----------
+    after : (I, J, K) float32
+        The volume after contrast, in the light of the other.
+    slope, offset
+        As `Calibration` has them.
+    steadier
+        Where what shades the volume after contrast relative to the other was taken out of it: how much the deviation of
+        the difference fell by that; 1 where it was left.
+    """
+
+    after: FloatArray
+    slope: float
+    offset: float
+    steadier: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
 class Comparison:
-    """The two volumes on the brain's working grid, fitted to each other: what every calibrated difference is made of.
+    """The two volumes on the brain's working grid: what every calibrated difference is made of.
 
     Parameters
     ----------
@@ -108,25 +129,34 @@ class Comparison:
         The brain where both are known.
     chosen : (n,) int64
         Voxels within it that everything is fitted to.
-    slope, offset
     subtracted
-        As `Calibration` has them.
+        As `Calibration` has it.
     spacing
         Edge of a voxel in mm.
-    steadier
-        Where what shades `after` relative to `reference` was taken out of it: how much the deviation of the difference
-        fell by that; 1 where it was left.
     """
 
     after: FloatArray
     reference: FloatArray
     mask: BoolArray
     chosen: NDArray[np.int64]
-    slope: float
-    offset: float
     subtracted: bool
     spacing: float
-    steadier: float = 1.0
+
+    @cached_property
+    def fit(self) -> Fit:
+        """The one volume fitted to the other (trimmed least squares), once and again in even light."""
+        y = self._of(self.after)
+        if not self.subtracted:
+            return Fit(self.after, 0.0, float(np.median(y)))
+        x = self._of(self.reference)
+        slope, offset = trimmed_fit(x, y)
+        zero = float(np.nanpercentile(self.after[::3, ::3, ::3], 0.1))
+        terms = _terms(self.chosen, self.after.shape)[:, :SHADING_TERMS]
+        light, steadier = _light(x, y - zero, slope * x + offset - zero, terms)
+        if steadier < STEADIER:
+            return Fit(self.after, slope, offset)
+        after = (self.after - np.float32(zero)) / np.clip(1.0 + _drift_on(self.after.shape, light), *LIGHT)
+        return Fit(after, *trimmed_fit(x, self._of(after)), steadier)
 
     def calibrated(self, *, without_drift: bool = False) -> Calibration:
         """Return the calibrated difference.
@@ -153,10 +183,11 @@ class Comparison:
         percentile, after `post` was divided by its own local brightness: U then also carries the contrast between
         normal tissues.
         """
+        fit = self.fit
         # A tumor brightens after contrast only; a falling fit means that the volumes are unlike, and must not be
         # amplified.
-        share = SUBTRACTED * max(self.slope, 0.0)
-        residual = self._of(self.after)
+        share = SUBTRACTED * max(fit.slope, 0.0)
+        residual = self._of(fit.after)
         drift = np.zeros(len(DRIFT_TERMS))
         if self.subtracted:
             residual = residual - share * self._of(self.reference)
@@ -167,13 +198,13 @@ class Comparison:
                 residual = residual - terms @ drift
         middle = float(np.percentile(residual, 50.0 if self.subtracted else TISSUE_PERCENTILE))
         with np.errstate(invalid="ignore"):
-            field = self.after - np.float32(share) * self.reference if self.subtracted else self.after.copy()
+            field = fit.after - np.float32(share) * self.reference if self.subtracted else fit.after.copy()
             if drift.any():
                 field -= _drift_on(self.after.shape, drift)
             field -= np.float32(middle)
         field[~self.mask] = 0.0
         field = gaussian(field, SMOOTHING / self.spacing)
-        noise = _deviation(self._of(field)) / LEFT_BY_SMOOTHING * float(np.sqrt(self.steadier))
+        noise = _deviation(self._of(field)) / LEFT_BY_SMOOTHING * float(np.sqrt(fit.steadier))
         if not (_deviation(residual) > 0 and noise > 0):
             raise InvalidInput(
                 "invalid_volume",
@@ -181,7 +212,7 @@ class Comparison:
                 "Give the original volumes, not masks or heavily quantised copies.",
             )
         field /= np.float32(noise)
-        return Calibration(field, self.before, self.slope, self.offset, noise, self.subtracted)
+        return Calibration(field, self.before, fit.slope, fit.offset, noise, self.subtracted)
 
     @cached_property
     def before(self) -> FloatArray:
@@ -200,7 +231,7 @@ class Comparison:
 
 
 def compare(brain: Brain, post: Volume, pre: Volume | None) -> Comparison:
-    """Bring both volumes onto the brain's working grid, and fit the one to the other (trimmed least squares).
+    """Bring both volumes onto the brain's working grid.
 
     Parameters
     ----------
@@ -229,19 +260,7 @@ def compare(brain: Brain, post: Volume, pre: Volume | None) -> Comparison:
             f"Only {int(np.count_nonzero(mask))} voxels of brain are known in all volumes: too few to compare them.",
             "Give volumes that cover the same part of the head.",
         )
-    y = after.ravel()[chosen].astype(np.float64)
-    spacing = brain.grid.spacing
-    if before is None:
-        return Comparison(after, after, mask, chosen, 0.0, float(np.median(y)), False, spacing)
-    x = before.ravel()[chosen].astype(np.float64)
-    slope, offset = trimmed_fit(x, y)
-    zero = float(np.nanpercentile(after[::3, ::3, ::3], 0.1))
-    light, steadier = _light(x, y - zero, slope * x + offset - zero, _terms(chosen, after.shape)[:, :SHADING_TERMS])
-    if steadier < STEADIER:
-        return Comparison(after, before, mask, chosen, slope, offset, True, spacing)
-    after = (after - np.float32(zero)) / np.clip(1.0 + _drift_on(after.shape, light), *LIGHT)
-    slope, offset = trimmed_fit(x, after.ravel()[chosen].astype(np.float64))
-    return Comparison(after, before, mask, chosen, slope, offset, True, spacing, steadier)
+    return Comparison(after, after if before is None else before, mask, chosen, before is not None, brain.grid.spacing)
 
 
 def calibrate(brain: Brain, post: Volume, pre: Volume | None, *, without_drift: bool = False) -> Calibration:
@@ -289,7 +308,7 @@ def _light(
 def trimmed_drift(terms: NDArray[np.float64], residual: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the weights (k,) of smooth terms (n, k) that most of the residuals (n,) follow, but for a constant.
 
-    Fitted and trimmed in ten rounds, as in `trimmed_fit`.
+    Fitted and trimmed in up to ten rounds, as in `trimmed_fit`.
     """
     columns = np.hstack((terms, np.ones((len(terms), 1))))
     weights: NDArray[Any] = np.zeros(columns.shape[1])
@@ -300,9 +319,9 @@ def trimmed_drift(terms: NDArray[np.float64], residual: NDArray[np.float64]) -> 
         left = residual - columns @ weights
         middle = float(np.median(left))
         spread = MAD_TO_SIGMA * float(np.median(np.abs(left - middle)))
-        if spread == 0:
+        kept, keep = keep, np.abs(left - middle) < DRIFT_TRIM * spread
+        if spread == 0 or np.array_equal(kept, keep):
             break
-        keep = np.abs(left - middle) < DRIFT_TRIM * spread
     return np.asarray(weights[:-1])
 
 
@@ -363,8 +382,8 @@ def trimmed_fit(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[float, 
 
     Notes
     -----
-    Ten rounds of fitting and dropping residuals beyond 2.5 robust deviations; the start, over all, is already within
-    the basin because enhancing voxels are few.
+    Up to ten rounds of fitting and dropping residuals beyond 2.5 robust deviations; the start, over all, is already
+    within the basin because enhancing voxels are few.
     """
     low, high = np.percentile(x, (2, 98))
     usable = (x > low) & (x < high)
@@ -384,7 +403,7 @@ def trimmed_fit(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[float, 
         residual = y - slope * x - offset
         middle = float(np.median(residual))
         spread = MAD_TO_SIGMA * float(np.median(np.abs(residual - middle)))
-        if spread == 0:
+        kept, keep = keep, np.abs(residual - middle) < TRIM * spread
+        if spread == 0 or np.array_equal(kept, keep):
             break
-        keep = np.abs(residual - middle) < TRIM * spread
     return slope, offset

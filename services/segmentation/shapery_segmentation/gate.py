@@ -383,7 +383,7 @@ def _reach_in(
     box: tuple[slice, slice, slice],
     density: float,
 ) -> Region:
-    values, usable, inside = field[box], brain[box], seed[box]
+    values, usable, inside = (np.ascontiguousarray(whole[box]) for whole in (field, brain, seed))
     allowed = inside
     threshold, previous = 0.0, -1
     asked, stood_out = 0, 0.0
@@ -396,24 +396,27 @@ def _reach_in(
         some = np.ascontiguousarray(part[every])
         return surroundings(values[every], usable[every], with_enclosed(some, step * spacing), step * spacing)
 
-    outside = around(inside)
+    own, outside = values[inside], around(inside)
     for _ in range(rounds):
-        threshold = running_threshold(values[inside], outside[0])
+        threshold = running_threshold(own, outside[0])
         enhancing = (values > threshold) & usable
         solid = dense(enhancing, spacing, density) & eroded(enhancing)
         core = connected(solid, inside)
         if not core.any():
             # Too thin for the gate: the seed alone is what there is.
-            core = inside & enhancing if (inside & enhancing).any() else inside
+            core = inside & enhancing
+            core = core if core.any() else inside
         allowed = within(core, REACH / spacing) & usable
         inside = connected(enhancing & allowed, inside | core)
-        count = int(np.count_nonzero(inside))
+        own = values[inside]
+        count = len(own)
         if count == 0:
             inside = seed[box]
+            own = values[inside]
             break
         outside = around(inside)
         if count > MUCH_MORE * asked:
-            stands_out = _stands_out(values[inside], outside)
+            stands_out = _stands_out(own, outside)
             if last is not None and stands_out < LEAST_CONTRAST_KEPT * stood_out:
                 return replace(last, floor=last.threshold)
             asked, stood_out = count, stands_out
@@ -421,4 +424,4 @@ def _reach_in(
             break
         previous = count
         last = Region(box, inside, allowed, threshold, ground=outside[0], stands_out=stood_out)
-    return Region(box, inside, allowed, threshold, ground=outside[0], stands_out=_stands_out(values[inside], outside))
+    return Region(box, inside, allowed, threshold, ground=outside[0], stands_out=_stands_out(own, outside))

@@ -76,11 +76,14 @@ def fill_enclosed(rim: BoolArray, spacing: float) -> BoolArray:
     box = box_around(rim, rim.shape, 0)
     part = np.ascontiguousarray(rim[box])
     lengths = np.linalg.norm(DIRECTIONS, axis=1) * spacing
-    reaches = np.floor(SIGHT / lengths).astype(np.int64)
-    counts = np.zeros(part.shape, dtype=np.uint8)
-    steps = np.empty(tuple(n + 2 for n in part.shape), dtype=np.int16)
-    _, whole = both(lambda: kernels.count_rays(part, DIRECTIONS, reaches, steps, counts), lambda: filled(part))
-    out[box] = ((counts >= ENCLOSED_FROM) | whole) & ~part
+    reaches = np.floor(np.minimum(SIGHT / lengths, max(part.shape))).astype(np.int64)
+    wide = tuple(n + 2 for n in part.shape)
+    slices = wide[0], wide[1] * wide[2]
+    counts = np.zeros(slices, dtype=np.uint8)
+    room = np.empty((3, *slices), dtype=np.int16)
+    _, whole = both(lambda: kernels.count_rays(part, DIRECTIONS, reaches, room, counts), lambda: filled(part))
+    met = counts.reshape(wide)[1:-1, 1:-1, 1:-1]
+    out[box] = ((met >= ENCLOSED_FROM) | whole) & ~part
     return out
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapery_contracts.segmentation import SegmentationParams
+from shapery_geometry.concurrent import both
 from shapery_geometry.intersections import self_intersections
 from shapery_geometry.mesh import TriangleMesh
 from shapery_geometry.rasterize import rasterize
@@ -20,7 +21,7 @@ from shapery_segmentation.evolution import Frame, Recorder, Scene
 from shapery_segmentation.flow.normal import FlowState, NormalFlowParams, normal_flow
 from shapery_segmentation.gate import LEVEL_RANGE, Region, contrast, reach
 from shapery_segmentation.labels import close_seam, enhancing_part, fill_enclosed, fill_indentations, with_enclosed
-from shapery_segmentation.neighborhoods import depths, within
+from shapery_segmentation.neighborhoods import box_around, depths, within
 from shapery_segmentation.seeding.ball import seed_ball, surface_of
 from shapery_segmentation.seeding.candidates import LEAST_WEIGHT, Candidate
 from shapery_segmentation.shrinking import shrinking_note
@@ -170,10 +171,14 @@ def recover(
         )
         if automatic and region.likely < LEAST_CONFIDENCE:
             continue
-        confidence = _judge(candidate, region, weight, brain, calibration)
+        # Most that is asked about its contrast and its place is a tumor.
+        confidence, start = both(
+            lambda c=candidate, r=region: _judge(c, r, weight, brain, calibration),
+            lambda r=region: flow_start(brain, calibration, r, params),
+        )
         if automatic and confidence < LEAST_CONFIDENCE:
             continue
-        item = _recover_one(brain, calibration, candidate, region, confidence, params, check_cancelled, scene)
+        item = _recover_one(brain, start, candidate, region, confidence, check_cancelled, scene)
         if item is not None:
             found.append(item)
         # What belongs to one object is closed to the others, with a voxel between the surfaces.
@@ -248,7 +253,18 @@ def _follows_the_edge(core: BoolArray, region: Region, brain: Brain) -> float:
     long = _logistic((elongation(core) - LONG[0]) / LONG[1])
     if long < 0.01:
         return 0.0
-    depth = depths(brain.mask)[region.box][core] * brain.grid.spacing
+    # What is twice as deep is deep enough, so no farther around needs to be looked at.
+    margin = int(np.ceil(2.0 * ALONG_THE_EDGE[0] / brain.grid.spacing))
+    near = box_around(core, core.shape, 0)
+    around = tuple(
+        slice(max(b.start + t.start - margin, 0), min(b.start + t.stop + margin, n))
+        for b, t, n in zip(region.box, near, brain.mask.shape, strict=True)
+    )
+    here = tuple(
+        slice(b.start + t.start - a.start, b.start + t.stop - a.start)
+        for b, t, a in zip(region.box, near, around, strict=True)
+    )
+    depth = depths(brain.mask[around], margin)[here][core[near]] * brain.grid.spacing
     return long * _logistic((ALONG_THE_EDGE[0] - float(np.median(depth))) / ALONG_THE_EDGE[1])
 
 
@@ -316,15 +332,13 @@ def flow_start(brain: Brain, calibration: Calibration, region: Region, params: S
 
 def _recover_one(
     brain: Brain,
-    calibration: Calibration,
+    start: FlowStart,
     candidate: Candidate,
     region: Region,
     confidence: float,
-    params: SegmentationParams,
     check_cancelled: Callable[[], None],
     scene: Scene | None,
 ) -> Recovered | None:
-    start = flow_start(brain, calibration, region, params)
     recorder = Recorder(scene)
 
     def on_iteration(state: FlowState) -> None:
@@ -343,8 +357,11 @@ def _recover_one(
     check_cancelled()
     if flow.vanished:
         return None
-    note = shrinking_note(start.seed, flow.mesh, start.field, start.affine, flow.threshold)
-    inside, enclosed = _voxels(brain, region, start, flow.mesh, flow.threshold)
+    # The report asks for the genus, which takes about as long as the voxels.
+    (inside, enclosed), (note, _) = both(
+        lambda: _voxels(brain, region, start, flow.mesh, flow.threshold),
+        lambda: (shrinking_note(start.seed, flow.mesh, start.field, start.affine, flow.threshold), flow.mesh.genus),
+    )
     return Recovered(
         seed=start.point,
         seeded_by=candidate.seeded_by,
@@ -372,7 +389,7 @@ def _voxels(
 ) -> tuple[BoolArray, BoolArray]:
     """Return the voxels of the enhancing part and those it encloses, on the grid that was given."""
     grid = brain.grid
-    inside = rasterize(surface, Volume(start.field, start.affine))
+    inside = rasterize(surface, Volume(start.field, start.affine), known_closed=True)
     enhancing = start.field > threshold
     whole = close_seam(inside, enhancing & region.allowed, grid.spacing)
     # Where the rim is thinner than the surface's triangles, what it encloses still tells which voxels are rim.
@@ -391,6 +408,6 @@ def _voxels(
     if grid.reorientation is not None:
         return given(bright), given(core & ~bright)
     # On another grid than the working one the surface itself says where its outside ends, to the fraction of a voxel.
-    source = rasterize(surface, grid.source) & ~given(inside & ~bright)
+    source = rasterize(surface, grid.source, known_closed=True) & ~given(inside & ~bright)
     source |= given(bright) & ~given(inside)
     return source, given(core) & ~source

@@ -33,7 +33,7 @@ def shrinking_note(
     if share >= NOTICED:
         return None
     grid = Volume(field, affine)
-    lost = rasterize(seed, grid) & ~rasterize(end, grid)
+    lost = rasterize(seed, grid, known_closed=True) & ~rasterize(end, grid, known_closed=True)
     below = float(np.mean(field[lost] <= threshold)) if lost.any() else 0.0
     if below >= 0.5:
         why = f"{below:.0%} of what it left lies below the threshold that follows from what is inside"

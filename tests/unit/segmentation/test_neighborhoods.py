@@ -6,9 +6,19 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from shapery_segmentation.neighborhoods import connected, depths, dilated, eroded, filled, within, within_each
+from shapery_segmentation.neighborhoods import (
+    connected,
+    depths,
+    dilated,
+    eroded,
+    filled,
+    parts,
+    within,
+    within_each,
+    without_small,
+)
 
-FACES, EDGES = (ndimage.generate_binary_structure(3, reach) for reach in (1, 2))
+FACES, EDGES, CORNERS = (ndimage.generate_binary_structure(3, reach) for reach in (1, 2, 3))
 
 
 @pytest.fixture(params=[(20, 31, 17), (1, 9, 12), (40, 40, 40)])
@@ -38,6 +48,13 @@ def test_the_middle_of_a_large_ball_is_as_deep_as_its_radius() -> None:
     np.testing.assert_allclose(depths(ball), ndimage.distance_transform_edt(ball), rtol=1e-6)
 
 
+def test_depths_beyond_what_is_asked_for_are_only_more_than_that() -> None:
+    ball = ((np.indices((41, 41, 41)) - 20.0) ** 2).sum(axis=0) <= 19.0**2
+    far, near = depths(ball), depths(ball, 6)
+    np.testing.assert_array_equal(near[far <= 6], far[far <= 6])
+    assert near[far > 6].min() > 6
+
+
 def test_within_is_the_distance_transform() -> None:
     mask = np.random.default_rng(2).random((20, 19, 18)) < 0.01
     for radius in (1.0, 2.9, 4.2):
@@ -62,7 +79,25 @@ def test_connected_parts_are_those_of_scipy() -> None:
     assert count > 3
     start = np.isin(labels, (1, 3)) & (np.random.default_rng(5).random(mask.shape) < 0.3)
     start |= ~mask
-    np.testing.assert_array_equal(connected(mask, start), np.isin(labels, np.unique(labels[start & mask])) & mask)
+    expected = np.isin(labels, np.unique(labels[start & mask])) & mask
+    np.testing.assert_array_equal(connected(mask, start), expected)
+    np.testing.assert_array_equal(connected(np.asfortranarray(mask), start), expected)
+    assert not connected(mask, np.zeros_like(mask)).any()
+
+
+def test_parts_are_those_of_scipy(mask: np.ndarray) -> None:
+    sparse = mask & (np.random.default_rng(6).random(mask.shape) < 0.3)
+    labels, count = ndimage.label(sparse, CORNERS)
+    found = parts(sparse)
+    assert len(found) == count > 1
+    for number, part in enumerate(found, start=1):
+        np.testing.assert_array_equal(np.sort(part), np.flatnonzero(labels == number))
+    sizes = np.bincount(labels.ravel())
+    sizes[0] = 0
+    np.testing.assert_array_equal(without_small(sparse, 3), sizes[labels] >= 3)
+    nothing = np.zeros_like(mask)
+    assert parts(nothing) == []
+    assert not without_small(nothing, 1).any()
 
 
 def test_holes_are_filled_and_bays_are_not(mask: np.ndarray) -> None:

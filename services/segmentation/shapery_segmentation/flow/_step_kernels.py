@@ -32,7 +32,7 @@ from shapery_segmentation.flow._state_kernels import (
 from shapery_segmentation.mesh._cells_kernels import gather
 from shapery_segmentation.mesh._contact_kernels import dot, subtract
 from shapery_segmentation.mesh._grid_kernels import corners, normal, point
-from shapery_segmentation.mesh._motion_kernels import displace, measure_displaced
+from shapery_segmentation.mesh._motion_kernels import displace
 from shapery_segmentation.mesh._operation_kernels import following, origin, preceding, twin
 from shapery_segmentation.mesh.arrays import AREA, OUT, SCALE, VERTEX_TOP
 from shapery_segmentation.mesh.compiled import inner, kernel
@@ -280,13 +280,55 @@ def propose(m, cells, state, counter, clear, field, inverse, allowed, inverse_al
     return count
 
 
-@inner
-def _settle(m, state, counter, dials):
+@kernel
+def advance(m, moves, batch, state, counter, target, movers, middle, counts):
+    """Move every vertex that `propose` says, without a test of what moved (see `shapery_segmentation.mesh.contacts`).
+
+    Parameters
+    ----------
+    m : MeshArrays
+        Its faces have to be measured then.
+    moves, batch
+        As `_motion_kernels.displace` takes them.
+    state, counter, target, movers
+        As `propose` takes and leaves them.
+    middle : int
+        Where the second part of `movers` begins.
+    counts : (int, int)
+        How many vertices `propose` named in both parts.
+
+    Returns
+    -------
+    float
+        How far in mm the vertex that moved farthest has moved.
+    """
+    farthest = 0.0
+    for part in range(2):
+        first = 0 if part == 0 else middle
+        for i in range(first, first + counts[part]):
+            v = movers[i]
+            here = point(m, v)
+            displace(m, moves, v, target, batch)
+            way = subtract(point(m, v), here)
+            farthest = max(farthest, dot(way, way))
+            state[v, NET] += state[v, STEP]
+            counter[v, BLOCKED] = 0
+    return np.sqrt(farthest)
+
+
+@kernel
+def settle(m, state, counter, dials):
     """Let vertices sleep that got nowhere in a window of steps, and wake the neighbours of those that did.
+
+    Parameters
+    ----------
+    m, state, counter, dials
+        As `propose` takes and leaves them.
 
     Returns
     -------
     awake, oscillating : int
+        Vertices awake now, and those among them that change their direction again and again.
     """
     awake = 0
     oscillating = 0
@@ -313,47 +355,6 @@ def _settle(m, state, counter, dials):
         awake += 1
         oscillating += counter[v, FLIPS] >= OSCILLATING
     return awake, oscillating
-
-
-@kernel
-def step(m, cells, moves, batch, tick, state, counter, dials, target, movers, middle, counts):
-    """Move every vertex that `propose` says, without a test of what moved (see `shapery_segmentation.mesh.contacts`).
-
-    Parameters
-    ----------
-    m, cells
-        Mesh and its faces sorted by cell.
-    moves, batch, tick
-        As `_motion_kernels.displace` takes them.
-    state, counter, dials, target, movers
-        As `propose` takes and leaves them.
-    middle : int
-        Where the second part of `movers` begins.
-    counts : (int, int)
-        How many vertices `propose` named in both parts.
-
-    Returns
-    -------
-    awake, oscillating : int
-        Vertices awake now, and those among them that change their direction again and again.
-    way : float
-        How far in mm the vertex that moved farthest has moved.
-    """
-    count = counts[0] + counts[1]
-    for i in range(counts[1]):
-        movers[counts[0] + i] = movers[middle + i]
-    farthest = 0.0
-    for i in range(count):
-        v = movers[i]
-        here = point(m, v)
-        displace(m, moves, v, target, batch)
-        way = subtract(point(m, v), here)
-        farthest = max(farthest, dot(way, way))
-        state[v, NET] += state[v, STEP]
-        counter[v, BLOCKED] = 0
-    measure_displaced(m, cells, moves, movers, count, batch, tick, True)
-    awake, oscillating = _settle(m, state, counter, dials)
-    return awake, oscillating, np.sqrt(farthest)
 
 
 @kernel

@@ -22,7 +22,7 @@ from shapery_segmentation.flow.threshold import median_inside
 from shapery_segmentation.flow.topology import reconnected, without_remains
 from shapery_segmentation.mesh import _motion_kernels as motion
 from shapery_segmentation.mesh.arrays import LARGEST_RADIUS, SCALE, VERTEX_TOP
-from shapery_segmentation.mesh.contacts import MANY, verify
+from shapery_segmentation.mesh.contacts import MANY, measure, verify
 from shapery_segmentation.mesh.dynamic_mesh import DynamicMesh
 
 SEED_ROUNDS = 12
@@ -266,11 +266,11 @@ class Evolution:
         else:
             middle = int(moving[len(moving) // 2])
             counts = both(lambda: proposed(0, middle), lambda: proposed(middle, top))
-        awake, self.oscillating, way = steps.step(
-            mesh.arrays, mesh.cells, mesh.moves, self._batch, mesh.next_batch(), self._state, self._counter,
-            dials, self._target, self._movers, middle, counts,
-        )  # fmt: skip
-        self._drift += way
+        self._drift += steps.advance(
+            mesh.arrays, mesh.moves, self._batch, self._state, self._counter, self._target, self._movers, middle, counts
+        )
+        measure(mesh.arrays, mesh.cells, mesh.moves, self._batch)
+        awake, self.oscillating = steps.settle(mesh.arrays, self._state, self._counter, dials)
         self._most_oscillating = max(self._most_oscillating, self.oscillating)
         self._oscillations += self.oscillating
         return int(awake)

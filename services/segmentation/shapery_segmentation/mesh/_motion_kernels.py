@@ -14,8 +14,10 @@ from shapery_segmentation.mesh._operation_kernels import compactness, following,
 from shapery_segmentation.mesh.arrays import (
     AREA,
     CLEARANCE,
+    FACE_TOP,
     LARGEST_RADIUS,
     NORMAL,
+    ORIGIN,
     OUT,
     RADIUS,
     STAMP,
@@ -199,31 +201,24 @@ def displace(m, moves, v, target, batch):
 
 
 @inner
-def measure_displaced(m, cells, moves, movers, n, batch, tick, sorted_in):
-    """Measure the faces of the first `n` vertices in `movers`, and note how those looked that had not moved before.
-
-    `tick` is a positive stamp that tells this call from those before. Where the faces are sorted into cells, what is
-    noted there is brought up to date.
-    """
-    for i in range(n):
-        first = np.int64(m.vertices[movers[i], OUT])
-        h = first
-        while True:
-            f = h // 3
-            if moves.measured[f] != tick:
-                moves.measured[f] = tick
-                if m.links[f, STAMP] != batch:
-                    m.links[f, STAMP] = batch
-                    moves.faces[moves.counts[1]] = f
-                    moves.counts[1] += 1
-                    for axis in range(4):
-                        m.former[f, axis] = m.facets[f, NORMAL + axis]
-                measure_face(m, f)
-                if sorted_in:
-                    note_face(m, cells, f)
-            h = twin(m, preceding(h))
-            if h == first:
-                break
+def _measure(m, cells, moves, batch, sorted_in, first, end):
+    """Do what `measure_moved` says."""
+    largest = 0.0
+    for f in range(first, end):
+        if m.half_edges[3 * f, ORIGIN] < 0:
+            continue
+        i, j, k = corners(m, f)
+        if moves.state[i] != batch and moves.state[j] != batch and moves.state[k] != batch:
+            continue
+        if m.links[f, STAMP] != batch:
+            m.links[f, STAMP] = batch
+            for axis in range(4):
+                m.former[f, axis] = m.facets[f, NORMAL + axis]
+        measure_face(m, f)
+        largest = max(largest, np.float64(m.facets[f, RADIUS]))
+        if sorted_in:
+            note_face(m, cells, f)
+    return largest
 
 
 @inner
@@ -254,8 +249,9 @@ def _suspect(m, cells, moves, batch, clear, drift, first, end, found):
     limit = OPPOSED if clear.shape[0] > 0 else ANY
     wrong = first
     stars = 3 * first
-    for i in range(first, end):
-        f = np.int64(moves.faces[i])
+    for f in range(first, end):
+        if m.links[f, STAMP] != batch:
+            continue
         g = f
         if not _spoiled(m, f):
             g = np.int64(-1) if _is_clear(m, f, clear) else contact(m, cells, f, drift, batch, limit, found)
@@ -330,6 +326,27 @@ def _settle(m, cells, moves, batch, limit, slack, middle, wrong, stars):
 
 
 @kernel
+def measure_moved(m, cells, moves, batch, first, end):
+    """Measure the faces whose vertices have moved since `batch` began, and note how they looked before that.
+
+    What is noted of them in `cells` is brought up to date. Parts can be done at once.
+
+    Parameters
+    ----------
+    m, cells, moves, batch
+        See `shapery_segmentation.mesh.contacts.measure`.
+    first, end : int
+        Slots of faces that are looked at.
+
+    Returns
+    -------
+    float
+        The largest radius among them. ``m.bound`` may not have it yet where parts are done at once.
+    """
+    return _measure(m, cells, moves, batch, True, first, end)
+
+
+@kernel
 def make_ready(m, cells, moves, drift):
     """Sort the faces anew if they are far from where they were sorted.
 
@@ -359,7 +376,7 @@ def find_suspects(m, cells, moves, batch, clear, drift, first, end, found):
     m, cells, moves, batch, clear, drift
         See `shapery_segmentation.mesh.contacts.verify`.
     first, end : int
-        Part of ``moves.faces``.
+        Slots of faces that are looked at.
     found : (F,) int32
         Room.
 
@@ -382,7 +399,7 @@ def put_back(m, cells, moves, batch, clear, slack, middle, wrong, stars):
     slack : float
         From `make_ready`.
     middle : int
-        Where the second part of ``moves.faces`` began.
+        Where the second part began.
     wrong, stars : (int, int)
         What `find_suspects` returned for both parts.
 
@@ -421,11 +438,11 @@ def move_vertices(m, cells, movers, target, moves, batch):
     moves.counts[:] = 0
     for i in range(movers.shape[0]):
         displace(m, moves, movers[i], target, batch)
-    measure_displaced(m, cells, moves, movers, movers.shape[0], batch, batch, False)
+    top = m.layout[FACE_TOP]
+    _measure(m, cells, moves, batch, False, 0, top)
     drift, slack = _ready(m, cells, moves, np.inf)
-    count = moves.counts[1]
-    wrong, stars = _suspect(m, cells, moves, batch, moves.none, drift, 0, count, moves.found[0])
-    return _settle(m, cells, moves, batch, ANY, slack, count, (wrong, count), (stars, 3 * count))
+    wrong, stars = _suspect(m, cells, moves, batch, moves.none, drift, 0, top, moves.found[0])
+    return _settle(m, cells, moves, batch, ANY, slack, top, (wrong, top), (stars, 3 * top))
 
 
 @inner

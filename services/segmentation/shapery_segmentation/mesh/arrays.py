@@ -147,18 +147,14 @@ class Moves(NamedTuple):
         The batch in which a vertex last moved; minus that where it was put back.
     movers, queue : (V,) int32
         The vertices that moved; those that were put back.
-    faces : (F,) int32
-        The faces that changed.
     found : (2, F) int32
         Room for two searches at once.
-    measured : (F,) int64
-        When a face was last measured.
     wrong : (F, 2) int32
         Pairs of faces that touch; twice the same for one that has turned over.
     stars : (3F,) int32
         Vertices whose faces may touch each other.
-    counts : (2,) int64
-        Entries of `movers` and `faces`.
+    counts : (1,) int64
+        Entries of `movers`.
     none : (0,) int8
         No vertices.
     """
@@ -167,9 +163,7 @@ class Moves(NamedTuple):
     state: Array
     movers: Array
     queue: Array
-    faces: Array
     found: Array
-    measured: Array
     wrong: Array
     stars: Array
     counts: Array
@@ -193,12 +187,10 @@ def room_for_moves(vertex_slots: int, face_slots: int) -> Moves:
         state=np.zeros(vertex_slots, dtype=np.int64),
         movers=np.zeros(vertex_slots, dtype=np.int32),
         queue=np.zeros(vertex_slots, dtype=np.int32),
-        faces=np.zeros(face_slots, dtype=np.int32),
         found=np.zeros((2, face_slots), dtype=np.int32),
-        measured=np.zeros(face_slots, dtype=np.int64),
         wrong=np.zeros((face_slots, 2), dtype=np.int32),
         stars=np.zeros(3 * face_slots, dtype=np.int32),
-        counts=np.zeros(2, dtype=np.int64),
+        counts=np.zeros(1, dtype=np.int64),
         none=np.zeros(0, dtype=np.int8),
     )
 

@@ -8,10 +8,32 @@ from numpy.typing import NDArray
 from shapery_geometry.concurrent import in_halves
 from shapery_segmentation.mesh import _motion_kernels as motion
 from shapery_segmentation.mesh import _whole_kernels as whole
-from shapery_segmentation.mesh.arrays import FACE_COUNT, VERTEX_TOP, Cells, MeshArrays, Moves
+from shapery_segmentation.mesh.arrays import FACE_COUNT, FACE_TOP, LARGEST_RADIUS, VERTEX_TOP, Cells, MeshArrays, Moves
 
 MANY = 4000
 """Faces from which on a second thread saves more than it costs."""
+
+
+def measure(arrays: MeshArrays, cells: Cells, moves: Moves, batch: int) -> None:
+    """Measure the faces whose vertices have moved since `batch` began.
+
+    Parameters
+    ----------
+    arrays
+    cells
+        The faces, sorted; what is noted of them is brought up to date.
+    moves
+    batch
+        The stamp of the vertices that moved. The faces get it, too.
+    """
+    before = float(arrays.bound[LARGEST_RADIUS])
+
+    def measured(first: int, end: int) -> float:
+        return float(motion.measure_moved(arrays, cells, moves, batch, first, end))
+
+    largest = in_halves(measured, int(arrays.layout[FACE_TOP]), MANY)
+    # Each half may have written over what the other did.
+    arrays.bound[LARGEST_RADIUS] = max(before, *largest)
 
 
 def verify(arrays: MeshArrays, cells: Cells, moves: Moves, batch: int, clear: NDArray[np.int8], drift: float) -> int:
@@ -50,12 +72,12 @@ def verify(arrays: MeshArrays, cells: Cells, moves: Moves, batch: int, clear: ND
         wrong, stars = motion.find_suspects(arrays, cells, moves, batch, clear, drift, first, end, room)
         return int(wrong), int(stars)
 
-    count = int(moves.counts[1])
-    parts = in_halves(suspects, count, MANY)
-    middle = count // 2
+    top = int(arrays.layout[FACE_TOP])
+    parts = in_halves(suspects, top, MANY)
+    middle = top // 2
     if len(parts) == 1:
-        parts.append((count, 3 * count))
-        middle = count
+        parts.append((top, 3 * top))
+        middle = top
     (wrong, stars), (more_wrong, more_stars) = parts
     back = motion.put_back(arrays, cells, moves, batch, clear, slack, middle, (wrong, more_wrong), (stars, more_stars))
     return int(back)

@@ -429,7 +429,7 @@ class DynamicMesh:
 
     def room_for_moves(self) -> Moves:
         """Return `moves`, made anew if the arrays have changed their size."""
-        if len(self.moves.state) != self.vertex_slots or len(self.moves.faces) != len(self.arrays.links):
+        if len(self.moves.state) != self.vertex_slots or len(self.moves.wrong) != len(self.arrays.links):
             self.moves = room_for_moves(self.vertex_slots, len(self.arrays.links))
         return self.moves
 

@@ -7,19 +7,23 @@ so it ends with seams one voxel wide where the region's topology differs; they l
 
 from __future__ import annotations
 
+import itertools
 from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shapery_geometry.mesh import TriangleMesh
-from shapery_segmentation.neighborhoods import depths
+from shapery_segmentation.neighborhoods import box_around, depths
 from shapery_segmentation.seeding import _ball_kernels as kernels
 
 BoolArray = NDArray[np.bool_]
 
 COARSE_TOLERANCE = 0.15
 """A ball on larger voxels is taken if its volume differs from the region's by less than this share."""
+
+HALF_FULL = 4
+"""Voxels of the eight in a larger one that must belong to the region so that it does."""
 
 
 @cache
@@ -51,7 +55,8 @@ def ball_inside(region: BoolArray, *, least_depth: float = 0.0) -> tuple[BoolArr
     """
     if not region.any():
         raise ValueError("a region without voxels holds no ball")
-    depth = np.pad(depths(region), 1)
+    box = box_around(region, region.shape, 0)
+    depth = np.pad(depths(region[box]), 1)
     start = np.array(np.unravel_index(int(depth.argmax()), depth.shape), dtype=np.int64)
     depth[depth <= least_depth] = 0.0
     ball = np.zeros(depth.shape, dtype=np.bool_)
@@ -59,7 +64,9 @@ def ball_inside(region: BoolArray, *, least_depth: float = 0.0) -> tuple[BoolArr
         kernels.grow(depth, start, kernels.OFFSETS, _simple_table(), ball)
     else:
         ball[tuple(start)] = True
-    return np.ascontiguousarray(ball[1:-1, 1:-1, 1:-1]), start - 1
+    whole = np.zeros(region.shape, dtype=np.bool_)
+    whole[box] = ball[1:-1, 1:-1, 1:-1]
+    return whole, start - 1 + [side.start for side in box]
 
 
 def seed_ball(
@@ -79,9 +86,9 @@ def seed_ball(
     The ball, its affine, and the voxel (3,) it was grown from. Larger voxels give a quarter of the triangles, which
     the flow would have to collapse one by one; thin regions need their own voxels.
     """
-    padded = np.pad(region, [(0, -n % 2) for n in region.shape])
-    a, b, c = (n // 2 for n in padded.shape)
-    half = padded.reshape(a, 2, b, 2, c, 2).mean(axis=(1, 3, 5)) >= 0.5
+    even = np.pad(region, [(0, -n % 2) for n in region.shape]).view(np.uint8)
+    eighths = [even[i::2, j::2, k::2] for i, j, k in itertools.product((0, 1), repeat=3)]
+    half = np.asarray(sum(eighths[1:], eighths[0]) >= HALF_FULL)
     if half.any():
         ball, start = ball_inside(half)
         if abs(8.0 * np.count_nonzero(ball & half) / np.count_nonzero(region) - 1.0) < COARSE_TOLERANCE:

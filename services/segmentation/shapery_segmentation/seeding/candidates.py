@@ -8,11 +8,11 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from shapery_geometry.concurrent import both
 from shapery_segmentation.calibration import Calibration
 from shapery_segmentation.gate import LEVEL, LEVEL_RANGE, dense
+from shapery_segmentation.neighborhoods import parts
 from shapery_segmentation.seeding.evidence import SEED_THRESHOLD, evidence
 from shapery_segmentation.seeding.octree import OctreeCandidates, search_octree
 from shapery_segmentation.seeding.symmetry import SymmetryPlane, find_symmetry
@@ -104,31 +104,27 @@ def find_candidates(
     field = calibration.field
     middle = find_symmetry(calibration.before, brain, spacing) if plane is None else plane
     check_cancelled()
-    weight, octree = both(
-        lambda: evidence(field, calibration.before, brain, middle, spacing),
-        lambda: search_octree(field, brain, spacing, SEED_THRESHOLD),
-    )
+
+    def weighed() -> tuple[FloatArray, BoolArray]:
+        weight = evidence(field, calibration.before, brain, middle, spacing)
+        return weight, dense((field > SEED_THRESHOLD) & brain, spacing) & (weight > LEAST_WEIGHT)
+
+    (weight, solid), octree = both(weighed, lambda: search_octree(field, brain, spacing, SEED_THRESHOLD))
     check_cancelled()
     peak = octree.on_grid((field.shape[0], field.shape[1], field.shape[2]))
-    solid = dense((field > SEED_THRESHOLD) & brain, spacing) & (weight > LEAST_WEIGHT) & (peak > 0)
-    labels, count = ndimage.label(solid, np.ones((3, 3, 3)))
-    if count == 0:
-        return Search((), weight, octree, middle)
-    numbers = np.arange(1, count + 1)
-    own = np.flatnonzero(labels)
-    masses = np.bincount(labels.ravel()[own], weight.ravel()[own])[1:] * spacing**3
-    order = np.argsort(-masses, kind="stable")[:limit]
-    boxes = ndimage.find_objects(labels)
+    solid &= peak > 0
     found = []
-    for n in order:
-        if masses[n] < LEAST_EVIDENCE_MM3:
+    pieces = parts(solid)
+    masses = np.array([weight.ravel()[piece].sum(dtype=np.float64) for piece in pieces]) * spacing**3
+    for n in np.argsort(-masses, kind="stable")[:limit]:
+        part, mass = pieces[n], float(masses[n])
+        if mass < LEAST_EVIDENCE_MM3:
             break
-        part = labels[boxes[n]] == numbers[n]
-        median = float(np.median(field[boxes[n]][part]))
+        median = float(np.median(field.ravel()[part]))
         clear = 1.0 / (1.0 + float(np.exp((CLEARLY_MORE[0] - median) / CLEARLY_MORE[1])))
-        voxels = np.zeros(labels.shape, dtype=np.bool_)
-        voxels[boxes[n]] = part
-        found.append(Candidate(voxels, float(masses[n]) * clear, float(np.median(peak[boxes[n]][part])), median))
+        voxels = np.zeros(solid.shape, dtype=np.bool_)
+        voxels.ravel()[part] = True
+        found.append(Candidate(voxels, mass * clear, float(np.median(peak.ravel()[part])), median))
     found.sort(key=lambda candidate: -candidate.evidence_mm3)
     return Search(tuple(found), weight, octree, middle)
 

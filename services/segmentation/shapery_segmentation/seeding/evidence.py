@@ -90,8 +90,8 @@ def evidence(
     own = _own_image(bright, plane, size, (factor - 1) / 2 * spacing)
     asymmetry = np.where(own, smooth, smooth - image)
 
-    # Outside the array begins what is not brain.
-    depth = depths(inside) * size
+    # Outside the array begins what is not brain; the step is over long before it is this deep.
+    depth = depths(inside, round((DEPTH[0] + 20.0 * DEPTH[1]) / size)) * size
     weight = _step(asymmetry, ASYMMETRY) * _step(dark, TISSUE) * _step(depth, DEPTH)
     weight[~inside] = 0.0
     return spread(weight.astype(np.float32), factor, field.shape)
