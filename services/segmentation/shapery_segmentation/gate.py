@@ -383,7 +383,8 @@ def _reach_in(
     box: tuple[slice, slice, slice],
     density: float,
 ) -> Region:
-    values, usable, inside = (np.ascontiguousarray(whole[box]) for whole in (field, brain, seed))
+    values = np.ascontiguousarray(field[box])
+    usable, inside = np.ascontiguousarray(brain[box]), np.ascontiguousarray(seed[box])
     allowed = inside
     threshold, previous = 0.0, -1
     asked, stood_out = 0, 0.0

@@ -171,11 +171,7 @@ def recover(
         )
         if automatic and region.likely < LEAST_CONFIDENCE:
             continue
-        # Most that is asked about its contrast and its place is a tumor.
-        confidence, start = both(
-            lambda c=candidate, r=region: _judge(c, r, weight, brain, calibration),
-            lambda r=region: flow_start(brain, calibration, r, params),
-        )
+        confidence, start = _judged(candidate, region, weight, brain, calibration, params)
         if automatic and confidence < LEAST_CONFIDENCE:
             continue
         item = _recover_one(brain, start, candidate, region, confidence, check_cancelled, scene)
@@ -245,6 +241,21 @@ def _judge(candidate: Candidate, region: Region, weight: FloatArray, brain: Brai
         * _compact(core)
         * _logistic((stands_out - DISTINCT[0]) / DISTINCT[1])
         * (1.0 - _follows_the_edge(core, region, brain))
+    )
+
+
+def _judged(
+    candidate: Candidate,
+    region: Region,
+    weight: FloatArray,
+    brain: Brain,
+    calibration: Calibration,
+    params: SegmentationParams,
+) -> tuple[float, FlowStart]:
+    """Return what `_judge` and `flow_start` do: most of what comes as far as to be judged is a tumor, and flows."""
+    return both(
+        lambda: _judge(candidate, region, weight, brain, calibration),
+        lambda: flow_start(brain, calibration, region, params),
     )
 
 

@@ -252,7 +252,7 @@ def _suspect(m, cells, moves, batch, clear, drift, first, end, found):
     for f in range(first, end):
         if m.links[f, STAMP] != batch:
             continue
-        g = f
+        g = np.int64(f)
         if not _spoiled(m, f):
             g = np.int64(-1) if _is_clear(m, f, clear) else contact(m, cells, f, drift, batch, limit, found)
         if g >= 0:
