@@ -235,9 +235,9 @@ def reach(
     too, as far as they are connected to the inside; 2.9 mm around them; the enhancing voxels in there that are
     connected to the inside. The threshold falls as the region takes in weaker parts; the gate keeps it from taking in
     everything, and a step that costs more than 15 % of the contrast to the surroundings is not taken. All this is done
-    in a box around the seed; as soon as the region gets near its end, it begins again in a larger one. If the gate
-    leaks all the same, a stricter one takes its place. In the end the rim around what the region encloses is followed
-    where it is thinner than the gate lets through (see `_closed`).
+    in a box around the seed; as soon as the region gets near its end, that round is done again in a larger one. If the
+    gate leaks all the same, a stricter one takes its place. In the end the rim around what the region encloses is
+    followed where it is thinner than the gate lets through (see `_closed`).
     """
     shapeless = likely_shape is not None and likely_shape(seed[box_around(seed, seed.shape, 0)]) < 0.5
     hopeless = DOUBTFUL if shapeless else HOPELESS
@@ -303,7 +303,13 @@ def _closed(
             break
         if number == 1:
             # The first look was at the box that the region came with: where it leaks, that shows there.
-            closed, known = _in_larger_box(closed, known, brain.shape, round(FARTHEST_RIM / spacing))
+            margin = round(FARTHEST_RIM / spacing)
+            i, j, k = (
+                slice(max(b.start - margin, 0), min(b.stop + margin, n))
+                for b, n in zip(closed.box, brain.shape, strict=True)
+            )
+            known = _moved(known, closed.box, (i, j, k))
+            closed = _in_box(closed, (i, j, k))
         usable = brain[closed.box]
         enhancing = (field[closed.box] > closed.threshold) & usable
         hollow = fill_enclosed(connected(enhancing, closed.inside), spacing) & ~enhancing & usable
@@ -321,22 +327,27 @@ def _closed(
     return closed if ragged < ROUNDER * before else region
 
 
-def _in_larger_box(
-    region: Region, enclosed: BoolArray, shape: tuple[int, ...], margin: int
-) -> tuple[Region, BoolArray]:
-    """Return a region, and what it encloses, in a box that is larger by a margin on all sides."""
-    i, j, k = (slice(max(b.start - margin, 0), min(b.stop + margin, n)) for b, n in zip(region.box, shape, strict=True))
-    place = tuple(
-        slice(b.start - wide.start, b.stop - wide.start) for b, wide in zip(region.box, (i, j, k), strict=True)
+def _in_box(region: Region, box: tuple[slice, slice, slice]) -> Region:
+    """Return a region in another box that holds its own."""
+    return replace(
+        region, box=box, inside=_moved(region.inside, region.box, box), allowed=_moved(region.allowed, region.box, box)
     )
 
-    def moved(mask: BoolArray) -> BoolArray:
-        out = np.zeros([side.stop - side.start for side in (i, j, k)], dtype=np.bool_)
-        out[place] = mask
-        return out
 
-    larger = replace(region, box=(i, j, k), inside=moved(region.inside), allowed=moved(region.allowed))
-    return larger, moved(enclosed)
+def _moved(mask: BoolArray, box: tuple[slice, slice, slice], other: tuple[slice, slice, slice]) -> BoolArray:
+    """Return what `mask` on one box is on another that holds it."""
+    out = np.zeros([side.stop - side.start for side in other], dtype=np.bool_)
+    out[tuple(slice(a.start - b.start, a.stop - b.start) for a, b in zip(box, other, strict=True))] = mask
+    return out
+
+
+@dataclass(frozen=True, eq=False)
+class _Progress:
+    """How far a region has come: after so many rounds, and how large it was when it was last asked for its contrast."""
+
+    region: Region | None = None
+    rounds: int = 0
+    asked: int = 0
 
 
 def _reach(
@@ -351,15 +362,17 @@ def _reach(
 ) -> Region:
     """Return what `reach` does for one gate, in a box that is large enough."""
     box = box_around(seed, seed.shape, 3 * _MARGIN)
+    so_far = _Progress()
     while True:
-        region = _reach_in(field, brain, seed, spacing, rounds, box, density)
+        region, so_far = _reach_in(field, brain, seed, spacing, rounds, box, density, so_far)
         if likely_shape is not None:
             region = replace(region, likely=likely_shape(region.inside))
         if region.likely < hopeless or not _near_end(region.inside, box, seed.shape):
             return region
         near = box_around(region.inside | seed[box], region.inside.shape, 0)
+        more = 4 * _MARGIN
         i, j, k = (
-            slice(max(b.start + t.start - 4 * _MARGIN, 0), min(b.start + t.stop + 4 * _MARGIN, n))
+            slice(max(b.start + min(t.start - more, 0), 0), min(max(b.start + t.stop + more, b.stop), n))
             for t, b, n in zip(near, box, seed.shape, strict=True)
         )
         box = (i, j, k)
@@ -382,13 +395,15 @@ def _reach_in(
     rounds: int,
     box: tuple[slice, slice, slice],
     density: float,
-) -> Region:
+    so_far: _Progress,
+) -> tuple[Region, _Progress]:
+    """Return what `reach` does for one gate in one box, and how far it had come before it got near the box's end."""
     values = np.ascontiguousarray(field[box])
-    usable, inside = np.ascontiguousarray(brain[box]), np.ascontiguousarray(seed[box])
-    allowed = inside
-    threshold, previous = 0.0, -1
-    asked, stood_out = 0, 0.0
-    last: Region | None = None
+    usable, given = np.ascontiguousarray(brain[box]), np.ascontiguousarray(seed[box])
+    last = None if so_far.region is None else _in_box(so_far.region, box)
+    asked, stood_out = so_far.asked, 0.0 if last is None else last.stands_out
+    inside = allowed = given if last is None else last.inside
+    threshold, previous = 0.0, -1 if last is None else int(np.count_nonzero(last.inside))
 
     def around(part: BoolArray) -> tuple[float, float]:
         # Of a large object every eighth voxel tells the same.
@@ -398,7 +413,8 @@ def _reach_in(
         return surroundings(values[every], usable[every], with_enclosed(some, step * spacing), step * spacing)
 
     own, outside = values[inside], around(inside)
-    for _ in range(rounds):
+    for done in range(so_far.rounds, rounds):
+        so_far = _Progress(last, done, asked)
         threshold = running_threshold(own, outside[0])
         enhancing = (values > threshold) & usable
         solid = dense(enhancing, spacing, density) & eroded(enhancing)
@@ -412,17 +428,18 @@ def _reach_in(
         own = values[inside]
         count = len(own)
         if count == 0:
-            inside = seed[box]
+            inside = given
             own = values[inside]
             break
         outside = around(inside)
         if count > MUCH_MORE * asked:
             stands_out = _stands_out(own, outside)
             if last is not None and stands_out < LEAST_CONTRAST_KEPT * stood_out:
-                return replace(last, floor=last.threshold)
+                return replace(last, floor=last.threshold), so_far
             asked, stood_out = count, stands_out
         if abs(count - previous) <= 0.002 * count or _near_end(inside, box, brain.shape):
             break
         previous = count
         last = Region(box, inside, allowed, threshold, ground=outside[0], stands_out=stood_out)
-    return Region(box, inside, allowed, threshold, ground=outside[0], stands_out=_stands_out(own, outside))
+    stands_out = _stands_out(own, outside)
+    return Region(box, inside, allowed, threshold, ground=outside[0], stands_out=stands_out), so_far

@@ -63,6 +63,34 @@ def test_reach_follows_an_object_beyond_its_first_box() -> None:
     assert inside[66, 30, 30]
 
 
+def test_in_growing_boxes_an_object_is_what_it_is_in_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    # It gets weaker along its length, so that each round takes in more of it.
+    noise = ndimage.gaussian_filter(np.random.default_rng(4).normal(size=SHAPE), 1.0)
+    field = (np.where(tube(7), np.maximum(4.3 - 0.12 * INDEX[..., 0], 0.0), 0.0) + noise).astype(np.float32)
+    brain, seed = np.ones(SHAPE, dtype=bool), ball((3, 30, 30), 3)
+    boxes: list[tuple[int, ...]] = []
+
+    def likely(inside: np.ndarray) -> float:
+        boxes.append(inside.shape)
+        return 1.0
+
+    def found() -> tuple[np.ndarray, float, float, float]:
+        boxes.clear()
+        region = reach(field, brain, seed, 1.0, likely_shape=likely)
+        inside = np.zeros(SHAPE, dtype=bool)
+        inside[region.box] = region.inside
+        return inside, region.threshold, region.ground, region.stands_out
+
+    growing = found()
+    assert boxes[1] != boxes[2]
+    monkeypatch.setattr("shapery_segmentation.gate._MARGIN", 100)
+    at_once = found()
+    assert boxes[1:] == [SHAPE] * len(boxes[1:])
+    assert growing[0].any()
+    np.testing.assert_array_equal(growing[0], at_once[0])
+    assert growing[1:] == at_once[1:]
+
+
 def test_reach_gives_up_what_has_left_its_box_and_is_no_object() -> None:
     field = np.where(tube(6), 5.0, 0.0).astype(np.float32)
     brain = np.ones(SHAPE, dtype=bool)
