@@ -8,7 +8,8 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
+from functools import cache
 from typing import TypeVar
 
 Item = TypeVar("Item")
@@ -16,6 +17,9 @@ Result = TypeVar("Result")
 
 MOST_THREADS = 2
 """More would not be busy: parts of the work that do not wait for each other are two at the most."""
+
+MOST_HELPERS = 8
+"""Threads that are kept at the most; what finds none free is done by who asked for it."""
 
 MANY_VOXELS = 300_000
 """Voxels from which on a second thread saves more than it costs where each takes a few nanoseconds."""
@@ -68,9 +72,29 @@ def in_slabs(work: Callable[[int, int], Result], shape: Sequence[int]) -> list[R
 
 
 def both(first: Callable[[], Item], second: Callable[[], Result]) -> tuple[Item, Result]:
-    """Return the results of two functions without arguments, of which the first runs here."""
+    """Return the results of two functions without arguments, of which the first runs here.
+
+    The second runs beside it if a thread is free, else afterwards; so it may itself call this function.
+    """
     if threads() == 1:
         return first(), second()
-    with ThreadPoolExecutor(1) as pool:
-        later = pool.submit(second)
-        return first(), later.result()
+    later = _helpers().submit(second)
+    try:
+        result = first()
+    except BaseException:
+        # Nothing goes on behind the back of who catches this.
+        if not later.cancel():
+            wait((later,))
+        raise
+    return result, second() if later.cancel() else later.result()
+
+
+@cache
+def _helpers() -> ThreadPoolExecutor:
+    """Return the threads that wait for work: to start one takes longer than much of what is done at once."""
+    return ThreadPoolExecutor(MOST_HELPERS, "shapery-helper")
+
+
+if hasattr(os, "register_at_fork"):
+    # A process that is forked has none of the threads of its parent.
+    os.register_at_fork(after_in_child=_helpers.cache_clear)

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -47,6 +50,59 @@ def test_the_first_error_is_raised() -> None:
         at_once(work, (0, 1))
     with pytest.raises(KeyError, match="7"):
         both(lambda: 1, lambda: work(7))
+
+
+@pytest.mark.usefixtures("two_threads")
+def test_an_error_of_the_first_waits_for_the_second() -> None:
+    begun, ended = threading.Event(), threading.Event()
+
+    def fails() -> None:
+        assert begun.wait(10)
+        raise KeyError(1)
+
+    def goes_on() -> None:
+        begun.set()
+        ended.wait(0.05)
+        ended.set()
+
+    with pytest.raises(KeyError, match="1"):
+        both(fails, goes_on)
+    assert ended.is_set()
+
+
+@pytest.mark.usefixtures("two_threads")
+@pytest.mark.timeout(60)
+def test_what_runs_beside_may_have_parts_itself() -> None:
+    def depth(left: int) -> int:
+        return 1 if left == 0 else sum(both(lambda: depth(left - 1), lambda: depth(left - 1)))
+
+    # More parts wait for each other than there are threads.
+    with ThreadPoolExecutor(4) as callers:
+        assert list(callers.map(depth, [8] * 8)) == [256] * 8
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system does not fork")
+def test_a_forked_process_has_threads_of_its_own() -> None:
+    code = (
+        "import os, threading\n"
+        "from shapery_geometry.concurrent import both\n"
+        "meeting = threading.Barrier(2, timeout=20)\n"
+        "assert both(meeting.wait, meeting.wait) in ((0, 1), (1, 0))\n"
+        "child = os.fork()\n"
+        "if child == 0:\n"
+        "    both(meeting.wait, meeting.wait)\n"
+        "    os._exit(7)\n"
+        "assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7\n"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-W", "ignore::DeprecationWarning", "-c", code],
+        env={**os.environ, "NUMBA_NUM_THREADS": "2"},
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert ended.returncode == 0, ended.stderr
 
 
 @pytest.mark.usefixtures("two_threads")
