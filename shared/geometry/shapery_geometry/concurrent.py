@@ -18,8 +18,9 @@ Result = TypeVar("Result")
 MOST_THREADS = 2
 """More would not be busy: parts of the work that do not wait for each other are two at the most."""
 
-MOST_HELPERS = 8
-"""Threads that are kept at the most; what finds none free is done by who asked for it."""
+MOST_HELPERS = 2
+"""Threads that are kept at the most; what finds none free is done by who asked for it. More are not faster on two
+cores, and each keeps memory of its own."""
 
 MANY_VOXELS = 300_000
 """Voxels from which on a second thread saves more than it costs where each takes a few nanoseconds."""
