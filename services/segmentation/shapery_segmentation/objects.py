@@ -266,16 +266,10 @@ def _follows_the_edge(core: BoolArray, region: Region, brain: Brain) -> float:
         return 0.0
     # What is twice as deep is deep enough, so no farther around needs to be looked at.
     margin = int(np.ceil(2.0 * ALONG_THE_EDGE[0] / brain.grid.spacing))
-    near = box_around(core, core.shape, 0)
-    around = tuple(
-        slice(max(b.start + t.start - margin, 0), min(b.start + t.stop + margin, n))
-        for b, t, n in zip(region.box, near, brain.mask.shape, strict=True)
-    )
-    here = tuple(
-        slice(b.start + t.start - a.start, b.start + t.stop - a.start)
-        for b, t, a in zip(region.box, near, around, strict=True)
-    )
-    depth = depths(brain.mask[around], margin)[here][core[near]] * brain.grid.spacing
+    whole = np.zeros(brain.mask.shape, dtype=np.bool_)
+    whole[region.box] = core
+    around = box_around(whole, whole.shape, margin)
+    depth = depths(brain.mask[around], margin)[whole[around]] * brain.grid.spacing
     return long * _logistic((ALONG_THE_EDGE[0] - float(np.median(depth))) / ALONG_THE_EDGE[1])
 
 
