@@ -12,11 +12,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from shapery_contracts.errors import InvalidInput
 from shapery_geometry.volume import Volume
-from shapery_segmentation.blocks import block_mean
+from shapery_segmentation.blocks import local_mean
 from shapery_segmentation.brain import Brain
 from shapery_segmentation.neighborhoods import eroded
 from shapery_segmentation.smoothing import gaussian
@@ -358,16 +357,9 @@ def evened(image: FloatArray, mask: BoolArray, spacing: float) -> FloatArray:
     usual = float(np.median(values[mask])) if mask.any() else 0.0
     if not usual > 0:
         return values
-    factor = max(1, round(4.0 / spacing))
     # What enhances is cut off, or a tumor would raise its own surroundings.
-    light = block_mean(np.minimum(values, np.float32(1.3 * usual)), factor)
-    weight = block_mean(mask.astype(np.float32), factor)
-    sigma = EVENING_SCALE / (factor * spacing)
-    local = ndimage.gaussian_filter(light, sigma) / np.maximum(ndimage.gaussian_filter(weight, sigma), 1e-3)
-    # Between the blocks linearly: steps of the division would be edges.
-    blocks = np.diag([factor, factor, factor, 1.0])
-    blocks[:3, 3] = (factor - 1) / 2
-    local = Volume(local, blocks).resampled_to(Volume(image, np.eye(4))).data
+    light = np.minimum(values, np.float32(1.3 * usual))
+    local = local_mean(light, mask.astype(np.float32), spacing, EVENING_SCALE, 1e-3)
     return np.where(mask, values / np.maximum(local, np.float32(0.1 * usual)), np.float32(0.0))
 
 

@@ -13,8 +13,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from shapery_segmentation.ground import ground_of, standing_out, unevenness
 from shapery_segmentation.labels import fill_enclosed, with_enclosed
-from shapery_segmentation.neighborhoods import box_around, connected, eroded, within, within_each
+from shapery_segmentation.neighborhoods import box_around, connected, eroded, within
 from shapery_segmentation.smoothing import gaussian
 
 FloatArray = NDArray[np.float32]
@@ -69,11 +70,9 @@ HOPELESS = 0.01
 DOUBTFUL = 0.3
 """Likewise for a region whose seed has no object's shape itself: it might lead through a whole brain."""
 
-SURROUNDINGS = (2.0, 6.0)
-"""mm from an object at which the shell around it begins, past the border's partial volume, and ends."""
-
 LEAST_CONTRAST = 2.4
-"""Contrast (see `contrast`) below which a region is no object, whatever its gate: meninges stand out."""
+"""Contrast (see `shapery_segmentation.ground`) below which a region is no object, whatever its gate: meninges stand
+out."""
 
 LEAST_CONTRAST_KEPT = 0.85
 """Share of its contrast that a region must keep when the threshold falls. The weaker parts of a tumor leave the
@@ -106,7 +105,7 @@ class Region:
     ground
         Median of what surrounds the region.
     stands_out
-        Its contrast to that (see `contrast`; of a large region every eighth voxel tells it).
+        Its contrast to that (see `shapery_segmentation.ground`; of a large region every eighth voxel tells it).
     likely
         How likely an object has its shape, as far as that was asked.
     parted
@@ -141,6 +140,32 @@ def running_threshold(values: NDArray[np.floating], ground: float = 0.0) -> floa
     return float(np.clip(ground + LEVEL * (float(np.median(values)) - ground), *LEVEL_RANGE))
 
 
+def on_even_ground(field: FloatArray, brain: BoolArray, region: Region, whole: BoolArray, spacing: float) -> FloatArray:
+    """Return the field less what the running threshold would rise by from place to place.
+
+    Parameters
+    ----------
+    field, brain : (I, J, K) float32, bool
+        Calibrated difference and brain in the region's box.
+    region
+        What a seed reaches.
+    whole : (I, J, K) bool
+        That and what it encloses.
+    spacing
+        Edge of a voxel in mm.
+
+    Notes
+    -----
+    The threshold lies 0.45 of the way from the ground to the median inside, so it rises by 0.55 of what the ground
+    does: one threshold for all of the object ends it too late at the cortex, the dura or a vessel, and too early in
+    edema. Where the threshold is at its lower bound, only what exceeds the bound raises it further.
+    """
+    rise = np.float32(1.0 - LEVEL) * unevenness(field, brain, whole, spacing)
+    unbounded = region.ground + LEVEL * (float(np.median(field[region.inside])) - region.ground)
+    bound = np.float32(max(0.0, region.floor - unbounded))
+    return np.asarray(field - np.where(rise > 0.0, np.maximum(rise - bound, 0.0), rise), dtype=np.float32)
+
+
 def dense(enhancing: BoolArray, spacing: float, least: float = LEAST_DENSITY) -> BoolArray:
     """Return the voxels that enhance and around which enough others do.
 
@@ -158,48 +183,6 @@ def dense(enhancing: BoolArray, spacing: float, least: float = LEAST_DENSITY) ->
 
 def _density(enhancing: BoolArray, spacing: float) -> FloatArray:
     return gaussian(enhancing.astype(np.float32), DENSITY_SCALE / spacing)
-
-
-def contrast(field: FloatArray, brain: BoolArray, inside: BoolArray, whole: BoolArray, spacing: float) -> float:
-    """Return how far an object stands out from what surrounds it, in robust deviations of the surroundings.
-
-    Parameters
-    ----------
-    field : (I, J, K) float32
-        Calibrated difference.
-    brain, inside, whole : (I, J, K) bool
-        `inside` is the object, at least one voxel; `whole` is that and what it encloses, which surrounds nothing.
-    spacing
-        Edge of a voxel in mm.
-
-    Returns
-    -------
-    Median inside minus median of the shell from 2 to 6 mm around it, over 1.4826 MAD of the shell; infinite where there
-    is no shell or no variation in it.
-    """
-    return _stands_out(field[inside], surroundings(field, brain, whole, spacing))
-
-
-def surroundings(field: FloatArray, brain: BoolArray, whole: BoolArray, spacing: float) -> tuple[float, float]:
-    """Return median and robust deviation (1.4826 MAD) in the shell around an object; 0 and 0 where there is no shell.
-
-    Parameters
-    ----------
-    field, brain, whole, spacing
-        See `contrast`.
-    """
-    near, far = within_each(whole, [radius / spacing for radius in SURROUNDINGS])
-    around = field[far & ~near & brain]
-    if not len(around):
-        return 0.0, 0.0
-    middle = float(np.median(around))
-    return middle, 1.4826 * float(np.median(np.abs(around - middle)))
-
-
-def _stands_out(values: FloatArray, around: tuple[float, float]) -> float:
-    """Return how far the median of `values` lies above what is around, in deviations of that."""
-    ground, deviation = around
-    return (float(np.median(values)) - ground) / deviation if deviation > 0 else float("inf")
 
 
 def reach(
@@ -410,7 +393,7 @@ def _reach_in(
         step = 2 if np.count_nonzero(part) >= MANY else 1
         every = (slice(None, None, step),) * 3
         some = np.ascontiguousarray(part[every])
-        return surroundings(values[every], usable[every], with_enclosed(some, step * spacing), step * spacing)
+        return ground_of(values[every], usable[every], with_enclosed(some, step * spacing), step * spacing)
 
     own, outside = values[inside], around(inside)
     for done in range(so_far.rounds, rounds):
@@ -433,7 +416,7 @@ def _reach_in(
             break
         outside = around(inside)
         if count > MUCH_MORE * asked:
-            stands_out = _stands_out(own, outside)
+            stands_out = standing_out(own, outside)
             if last is not None and stands_out < LEAST_CONTRAST_KEPT * stood_out:
                 return replace(last, floor=last.threshold), so_far
             asked, stood_out = count, stands_out
@@ -441,5 +424,5 @@ def _reach_in(
             break
         previous = count
         last = Region(box, inside, allowed, threshold, ground=outside[0], stands_out=stood_out)
-    stands_out = _stands_out(own, outside)
+    stands_out = standing_out(own, outside)
     return Region(box, inside, allowed, threshold, ground=outside[0], stands_out=stands_out), so_far

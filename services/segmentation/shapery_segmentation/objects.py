@@ -19,7 +19,8 @@ from shapery_segmentation.brain import Brain
 from shapery_segmentation.calibration import Calibration
 from shapery_segmentation.evolution import Frame, Recorder, Scene
 from shapery_segmentation.flow.normal import FlowState, NormalFlowParams, normal_flow
-from shapery_segmentation.gate import LEVEL_RANGE, Region, contrast, reach
+from shapery_segmentation.gate import LEVEL_RANGE, Region, on_even_ground, reach
+from shapery_segmentation.ground import contrast
 from shapery_segmentation.labels import close_seam, enhancing_part, fill_enclosed, fill_indentations, with_enclosed
 from shapery_segmentation.neighborhoods import box_around, depths, within
 from shapery_segmentation.seeding.ball import seed_ball, surface_of
@@ -49,7 +50,7 @@ COMPACT = (1.7, 0.12)
 veins 2.4 and more."""
 
 DISTINCT = (2.4, 0.15)
-"""Centre and width of a step in the contrast of an object to its surroundings (see `shapery_segmentation.gate`). Normal
+"""Centre and width of a step in the contrast of an object to its ground (see `shapery_segmentation.ground`). Normal
 tissue that a bias field raised has 1.7 to 2.0; the weakest tumors with expert labels have 2.9."""
 
 LONG = (3.0, 0.25)
@@ -218,8 +219,15 @@ def _confidence(evidence_mm3: float, calibration: Calibration) -> float:
     return confidence if calibration.subtracted else 0.5 + 0.5 * (confidence - 0.5) if confidence > 0.5 else confidence
 
 
-def _judge(candidate: Candidate, region: Region, weight: FloatArray, brain: Brain, calibration: Calibration) -> float:
-    """Return the confidence that the region which a candidate reached is a tumor.
+def _judge(
+    candidate: Candidate,
+    region: Region,
+    whole: BoolArray,
+    weight: FloatArray,
+    brain: Brain,
+    calibration: Calibration,
+) -> float:
+    """Return the confidence that the region which a candidate reached is a tumor; `whole` is it with what it encloses.
 
     It is the product of what the region is made of, its shape, how far it stands out, and whether it is no piece of a
     sinus: each of these can refuse it by itself, however large it is.
@@ -231,16 +239,15 @@ def _judge(candidate: Candidate, region: Region, weight: FloatArray, brain: Brai
         # must speak for itself.
         evidence = min(evidence, candidate.evidence_mm3)
     spacing = brain.grid.spacing
-    core = with_enclosed(region.inside, spacing)
-    stands_out = contrast(calibration.field[region.box], brain.mask[region.box], region.inside, core, spacing)
+    stands_out = contrast(calibration.field[region.box], brain.mask[region.box], region.inside, whole, spacing)
     share = min(1.0, float(own.mean()) / LEAST_SHARE)
     return (
         _confidence(evidence, calibration)
         * share
         * (PARTED if region.parted else 1.0)
-        * _compact(core)
+        * _compact(whole)
         * _logistic((stands_out - DISTINCT[0]) / DISTINCT[1])
-        * (1.0 - _follows_the_edge(core, region, brain))
+        * (1.0 - _follows_the_edge(whole, region, brain))
     )
 
 
@@ -253,9 +260,10 @@ def _judged(
     params: SegmentationParams,
 ) -> tuple[float, FlowStart]:
     """Return what `_judge` and `flow_start` do: most of what comes as far as to be judged is a tumor, and flows."""
+    whole = with_enclosed(region.inside, brain.grid.spacing)
     return both(
-        lambda: _judge(candidate, region, weight, brain, calibration),
-        lambda: flow_start(brain, calibration, region, params),
+        lambda: _judge(candidate, region, whole, weight, brain, calibration),
+        lambda: flow_start(brain, calibration, region, whole, params),
     )
 
 
@@ -301,7 +309,9 @@ class FlowStart:
     point: NDArray[np.float64]
 
 
-def flow_start(brain: Brain, calibration: Calibration, region: Region, params: SegmentationParams) -> FlowStart:
+def flow_start(
+    brain: Brain, calibration: Calibration, region: Region, whole: BoolArray, params: SegmentationParams
+) -> FlowStart:
     """Return what the flow of a region starts from.
 
     Parameters
@@ -310,16 +320,19 @@ def flow_start(brain: Brain, calibration: Calibration, region: Region, params: S
         Working grid and calibrated difference.
     region
         What a candidate reaches.
+    whole : bool
+        That and what it encloses, in the region's box.
     params
         Of these `edge_length`, `smoothing` and `topology`.
     """
     affine = brain.grid.affine.copy()
     affine[:3, 3] += affine[:3, :3] @ [s.start for s in region.box]
+    field, tissue = calibration.field[region.box], brain.mask[region.box]
     ball, to_ball, start = seed_ball(region.inside, affine)
     edge = params.edge_length if params.edge_length is not None else max(FINAL_EDGE, brain.grid.spacing)
     coarse = THIN_EDGE if np.array_equal(to_ball, affine) else COARSE_EDGE
     return FlowStart(
-        field=np.ascontiguousarray(calibration.field[region.box]),
+        field=on_even_ground(field, tissue, region, whole, brain.grid.spacing),
         allowed=region.allowed,
         affine=affine,
         seed=surface_of(ball, to_ball, even=True),

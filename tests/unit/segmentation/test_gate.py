@@ -7,7 +7,8 @@ import pytest
 from scipy import ndimage
 
 from shapery_geometry.mask_metrics import intersection_over_union
-from shapery_segmentation.gate import contrast, dense, reach, running_threshold
+from shapery_segmentation.gate import LEVEL, Region, dense, on_even_ground, reach, running_threshold
+from shapery_segmentation.ground import contrast, unevenness
 from shapery_segmentation.neighborhoods import connected, eroded
 
 SHAPE = (70, 60, 60)
@@ -219,3 +220,46 @@ def test_contrast_tells_objects_from_the_tail_of_normal_tissue() -> None:
     hollow = part & ~ball((35, 30, 30), 5)
     field = np.where(hollow, 5.0, np.where(part, -9.0, field)).astype(np.float32)
     assert contrast(field, brain, hollow, part, 1.0) > contrast(field, brain, hollow, hollow, 1.0)
+
+
+def test_ground_is_uneven_only_where_it_differs() -> None:
+    brain, whole = np.ones(SHAPE, bool), ball((35, 30, 30), 9)
+    assert np.abs(unevenness(np.where(whole, 9.0, 0.7).astype(np.float32), brain, whole, 1.0)).max() < 1e-5
+    slope = (0.1 * (INDEX[..., 0] - 35)).astype(np.float32)
+    uneven = unevenness(np.where(whole, 9.0, slope), brain, whole, 1.0)
+    # An average over 8 mm follows a slope less far; the middle lies where it was.
+    left, right = uneven[25, 30, 30], uneven[45, 30, 30]
+    assert right == pytest.approx(-left, abs=0.02)
+    assert 0.3 < right < 1.0
+    assert abs(uneven[35, 30, 30]) < 0.02
+    # Nothing is known of the ground where there is no brain around, nor far from it.
+    assert not unevenness(slope, whole, whole, 1.0).any()
+    assert not unevenness(slope, np.ones(SHAPE, bool), ball((8, 8, 8), 3), 1.0)[60:, 50:, 50:].any()
+
+
+def test_border_lies_at_one_share_of_the_way_on_uneven_ground() -> None:
+    whole, step = ball((35, 30, 30), 10), 1.4
+    ground = np.where(INDEX[..., 0] < 35, -step / 2, step / 2)
+    field = ndimage.gaussian_filter(np.where(whole, 4.0, ground), 1.5).astype(np.float32)
+    everywhere = np.ones(SHAPE, bool)
+    box = (slice(0, SHAPE[0]), slice(0, SHAPE[1]), slice(0, SHAPE[2]))
+    region = Region(box, whole, everywhere, threshold=LEVEL * 4.0)
+
+    def ends(values: np.ndarray) -> tuple[float, float]:
+        """Where the line through the middle falls below the threshold, to the left and to the right of it."""
+        line = values[:, 30, 30] - region.threshold
+        left = np.interp(0.0, line[18:30], np.arange(18, 30))
+        right = np.interp(0.0, -line[40:52], np.arange(40, 52))
+        return 35.0 - float(left), float(right) - 35.0
+
+    left, right = ends(field)
+    assert right - left > 0.4
+    even = on_even_ground(field, everywhere, region, whole, 1.0)
+    assert even.dtype == np.float32
+    left, right = ends(even)
+    assert abs(right - left) < 0.2
+    # A threshold at its lower bound is higher than this share already, by more than the ground rises.
+    bounded = Region(box, whole, everywhere, threshold=3.0, floor=3.0)
+    kept = on_even_ground(field, everywhere, bounded, whole, 1.0)
+    assert np.array_equal(kept[40:], field[40:])
+    assert (kept[24:30, 30, 30] > field[24:30, 30, 30]).all()
