@@ -71,7 +71,7 @@ def document(results: Results) -> str:
     if counted:
         text += ["", f"Means over the cases with at least {MEASURED_MM3 / 1000:.0f} ml of enhancing tumor:", ""]
         text += tables.means(counted)
-    if "settings" in results:
+    if "settings" in results and clear:
         loco = tables.held_out(results["settings"], [row["name"] for row in counted])
         text += [
             "",
