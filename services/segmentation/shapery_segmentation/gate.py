@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from shapery_segmentation.ground import ground_of, standing_out, unevenness
+from shapery_segmentation.ground import ground_of, shell, standing_out, unevenness
 from shapery_segmentation.labels import fill_enclosed, with_enclosed
 from shapery_segmentation.neighborhoods import box_around, connected, eroded, within
 from shapery_segmentation.smoothing import gaussian
@@ -140,17 +140,17 @@ def running_threshold(values: NDArray[np.floating], ground: float = 0.0) -> floa
     return float(np.clip(ground + LEVEL * (float(np.median(values)) - ground), *LEVEL_RANGE))
 
 
-def on_even_ground(field: FloatArray, brain: BoolArray, region: Region, whole: BoolArray, spacing: float) -> FloatArray:
+def on_even_ground(field: FloatArray, region: Region, around: BoolArray, spacing: float) -> FloatArray:
     """Return the field less what the running threshold would rise by from place to place.
 
     Parameters
     ----------
-    field, brain : (I, J, K) float32, bool
-        Calibrated difference and brain in the region's box.
+    field : (I, J, K) float32
+        Calibrated difference in the region's box.
     region
         What a seed reaches.
-    whole : (I, J, K) bool
-        That and what it encloses.
+    around : (I, J, K) bool
+        The shell around it (see `shapery_segmentation.ground`).
     spacing
         Edge of a voxel in mm.
 
@@ -160,7 +160,7 @@ def on_even_ground(field: FloatArray, brain: BoolArray, region: Region, whole: B
     does: one threshold for all of the object ends it too late at the cortex, the dura or a vessel, and too early in
     edema. Where the threshold is at its lower bound, only what exceeds the bound raises it further.
     """
-    rise = np.float32(1.0 - LEVEL) * unevenness(field, brain, whole, spacing)
+    rise = np.float32(1.0 - LEVEL) * unevenness(field, around, spacing)
     unbounded = region.ground + LEVEL * (float(np.median(field[region.inside])) - region.ground)
     bound = np.float32(max(0.0, region.floor - unbounded))
     return np.asarray(field - np.where(rise > 0.0, np.maximum(rise - bound, 0.0), rise), dtype=np.float32)
@@ -393,7 +393,7 @@ def _reach_in(
         step = 2 if np.count_nonzero(part) >= MANY else 1
         every = (slice(None, None, step),) * 3
         some = np.ascontiguousarray(part[every])
-        return ground_of(values[every], usable[every], with_enclosed(some, step * spacing), step * spacing)
+        return ground_of(values[every][shell(with_enclosed(some, step * spacing), usable[every], step * spacing)])
 
     own, outside = values[inside], around(inside)
     for done in range(so_far.rounds, rounds):

@@ -38,17 +38,11 @@ def shell(whole: BoolArray, brain: BoolArray, spacing: float) -> BoolArray:
     return np.asarray(far & ~near & brain)
 
 
-def ground_of(field: FloatArray, brain: BoolArray, whole: BoolArray, spacing: float) -> tuple[float, float]:
-    """Return median and robust deviation (1.4826 MAD) in the shell around an object; 0 and 0 where there is no shell.
+def ground_of(around: FloatArray) -> tuple[float, float]:
+    """Return median and robust deviation (1.4826 MAD) of the values in the shell around an object.
 
-    Parameters
-    ----------
-    field : (I, J, K) float32
-        Calibrated difference.
-    brain, whole, spacing
-        See `shell`.
+    0 and 0 where there are none.
     """
-    around = field[shell(whole, brain, spacing)]
     if not len(around):
         return 0.0, 0.0
     middle = float(np.median(around))
@@ -56,7 +50,7 @@ def ground_of(field: FloatArray, brain: BoolArray, whole: BoolArray, spacing: fl
 
 
 def standing_out(values: FloatArray, ground: tuple[float, float]) -> float:
-    """Return how far the median of `values` lies above the ground (see `ground_of`), in deviations of that.
+    """Return how far the median of an object's `values` lies above its ground (see `ground_of`), in deviations of that.
 
     Infinite where there is no shell, or no variation in it.
     """
@@ -64,36 +58,22 @@ def standing_out(values: FloatArray, ground: tuple[float, float]) -> float:
     return (float(np.median(values)) - middle) / deviation if deviation > 0 else float("inf")
 
 
-def contrast(field: FloatArray, brain: BoolArray, inside: BoolArray, whole: BoolArray, spacing: float) -> float:
-    """Return how far an object stands out from the ground it lies in (see `standing_out`).
-
-    Parameters
-    ----------
-    field : (I, J, K) float32
-        Calibrated difference.
-    brain, whole, spacing
-        See `shell`.
-    inside : (I, J, K) bool
-        The object, at least one voxel.
-    """
-    return standing_out(field[inside], ground_of(field, brain, whole, spacing))
-
-
-def unevenness(field: FloatArray, brain: BoolArray, whole: BoolArray, spacing: float) -> FloatArray:
+def unevenness(field: FloatArray, around: BoolArray, spacing: float) -> FloatArray:
     """Return by how much the ground lies higher or lower from place to place than in the mean.
 
     Parameters
     ----------
     field : (I, J, K) float32
         Calibrated difference.
-    brain, whole, spacing
-        See `shell`.
+    around : (I, J, K) bool
+        The shell around the object (see `shell`).
+    spacing
+        Edge of a voxel in mm.
 
     Returns
     -------
     (I, J, K) float32, in the field's units; 0 far from the shell and where there is none.
     """
-    around = shell(whole, brain, spacing)
     if not around.any():
         return np.zeros(field.shape, dtype=np.float32)
     apart = np.where(around, field - field[around].mean(dtype=np.float64), 0.0).astype(np.float32)

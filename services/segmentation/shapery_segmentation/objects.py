@@ -20,7 +20,7 @@ from shapery_segmentation.calibration import Calibration
 from shapery_segmentation.evolution import Frame, Recorder, Scene
 from shapery_segmentation.flow.normal import FlowState, NormalFlowParams, normal_flow
 from shapery_segmentation.gate import LEVEL_RANGE, Region, on_even_ground, reach
-from shapery_segmentation.ground import contrast
+from shapery_segmentation.ground import ground_of, shell, standing_out
 from shapery_segmentation.labels import close_seam, enhancing_part, fill_enclosed, fill_indentations, with_enclosed
 from shapery_segmentation.neighborhoods import box_around, depths, within
 from shapery_segmentation.seeding.ball import seed_ball, surface_of
@@ -223,14 +223,16 @@ def _judge(
     candidate: Candidate,
     region: Region,
     whole: BoolArray,
+    around: BoolArray,
     weight: FloatArray,
     brain: Brain,
     calibration: Calibration,
 ) -> float:
-    """Return the confidence that the region which a candidate reached is a tumor; `whole` is it with what it encloses.
+    """Return the confidence that the region which a candidate reached is a tumor.
 
-    It is the product of what the region is made of, its shape, how far it stands out, and whether it is no piece of a
-    sinus: each of these can refuse it by itself, however large it is.
+    `whole` is the region with what it encloses, `around` the shell around that. The confidence is the product of what
+    the region is made of, its shape, how far it stands out, and whether it is no piece of a sinus: each of these can
+    refuse it by itself, however large it is.
     """
     own = weight[region.box][region.inside]
     evidence = float(own[own > LEAST_WEIGHT].sum()) * brain.grid.spacing**3
@@ -238,8 +240,8 @@ def _judge(
         # What a strict gate left out says nothing for the region. A user's seed is a few voxels: there what it reached
         # must speak for itself.
         evidence = min(evidence, candidate.evidence_mm3)
-    spacing = brain.grid.spacing
-    stands_out = contrast(calibration.field[region.box], brain.mask[region.box], region.inside, whole, spacing)
+    field = calibration.field[region.box]
+    stands_out = standing_out(field[region.inside], ground_of(field[around]))
     share = min(1.0, float(own.mean()) / LEAST_SHARE)
     return (
         _confidence(evidence, calibration)
@@ -261,9 +263,10 @@ def _judged(
 ) -> tuple[float, FlowStart]:
     """Return what `_judge` and `flow_start` do: most of what comes as far as to be judged is a tumor, and flows."""
     whole = with_enclosed(region.inside, brain.grid.spacing)
+    around = shell(whole, brain.mask[region.box], brain.grid.spacing)
     return both(
-        lambda: _judge(candidate, region, whole, weight, brain, calibration),
-        lambda: flow_start(brain, calibration, region, whole, params),
+        lambda: _judge(candidate, region, whole, around, weight, brain, calibration),
+        lambda: flow_start(brain, calibration, region, around, params),
     )
 
 
@@ -310,7 +313,7 @@ class FlowStart:
 
 
 def flow_start(
-    brain: Brain, calibration: Calibration, region: Region, whole: BoolArray, params: SegmentationParams
+    brain: Brain, calibration: Calibration, region: Region, around: BoolArray, params: SegmentationParams
 ) -> FlowStart:
     """Return what the flow of a region starts from.
 
@@ -320,19 +323,18 @@ def flow_start(
         Working grid and calibrated difference.
     region
         What a candidate reaches.
-    whole : bool
-        That and what it encloses, in the region's box.
+    around : bool
+        The shell around that, in the region's box (see `shapery_segmentation.ground`).
     params
         Of these `edge_length`, `smoothing` and `topology`.
     """
     affine = brain.grid.affine.copy()
     affine[:3, 3] += affine[:3, :3] @ [s.start for s in region.box]
-    field, tissue = calibration.field[region.box], brain.mask[region.box]
     ball, to_ball, start = seed_ball(region.inside, affine)
     edge = params.edge_length if params.edge_length is not None else max(FINAL_EDGE, brain.grid.spacing)
     coarse = THIN_EDGE if np.array_equal(to_ball, affine) else COARSE_EDGE
     return FlowStart(
-        field=on_even_ground(field, tissue, region, whole, brain.grid.spacing),
+        field=on_even_ground(calibration.field[region.box], region, around, brain.grid.spacing),
         allowed=region.allowed,
         affine=affine,
         seed=surface_of(ball, to_ball, even=True),

@@ -8,7 +8,7 @@ from scipy import ndimage
 
 from shapery_geometry.mask_metrics import intersection_over_union
 from shapery_segmentation.gate import LEVEL, Region, dense, on_even_ground, reach, running_threshold
-from shapery_segmentation.ground import contrast, unevenness
+from shapery_segmentation.ground import ground_of, shell, standing_out, unevenness
 from shapery_segmentation.neighborhoods import connected, eroded
 
 SHAPE = (70, 60, 60)
@@ -210,31 +210,36 @@ def test_reach_takes_in_weak_margins_but_no_bright_tissue() -> None:
     assert beside.floor == beside.threshold > 1.2
 
 
+def contrast(field: np.ndarray, brain: np.ndarray, inside: np.ndarray, whole: np.ndarray) -> float:
+    return standing_out(field[inside], ground_of(field[shell(whole, brain, 1.0)]))
+
+
 def test_contrast_tells_objects_from_the_tail_of_normal_tissue() -> None:
     field, brain, part = tissue(0.0), np.ones(SHAPE, bool), ball((35, 30, 30), 8)
-    assert contrast(np.where(part, field + 5.0, field), brain, part, part, 1.0) > 4.0
+    assert contrast(np.where(part, field + 5.0, field), brain, part, part) > 4.0
     tail = field > 1.2
-    assert contrast(field, brain, tail, tail, 1.0) < 3.0
-    assert contrast(np.zeros(SHAPE, np.float32), brain, part, part, 1.0) == np.inf
+    assert contrast(field, brain, tail, tail) < 3.0
+    assert contrast(np.zeros(SHAPE, np.float32), brain, part, part) == np.inf
     # What the object encloses is no surrounding.
     hollow = part & ~ball((35, 30, 30), 5)
     field = np.where(hollow, 5.0, np.where(part, -9.0, field)).astype(np.float32)
-    assert contrast(field, brain, hollow, part, 1.0) > contrast(field, brain, hollow, hollow, 1.0)
+    assert contrast(field, brain, hollow, part) > contrast(field, brain, hollow, hollow)
 
 
 def test_ground_is_uneven_only_where_it_differs() -> None:
-    brain, whole = np.ones(SHAPE, bool), ball((35, 30, 30), 9)
-    assert np.abs(unevenness(np.where(whole, 9.0, 0.7).astype(np.float32), brain, whole, 1.0)).max() < 1e-5
+    everywhere, whole = np.ones(SHAPE, bool), ball((35, 30, 30), 9)
+    around = shell(whole, everywhere, 1.0)
+    assert np.abs(unevenness(np.where(whole, 9.0, 0.7).astype(np.float32), around, 1.0)).max() < 1e-5
     slope = (0.1 * (INDEX[..., 0] - 35)).astype(np.float32)
-    uneven = unevenness(np.where(whole, 9.0, slope), brain, whole, 1.0)
+    uneven = unevenness(np.where(whole, 9.0, slope), around, 1.0)
     # An average over 8 mm follows a slope less far; the middle lies where it was.
     left, right = uneven[25, 30, 30], uneven[45, 30, 30]
     assert right == pytest.approx(-left, abs=0.02)
     assert 0.3 < right < 1.0
     assert abs(uneven[35, 30, 30]) < 0.02
     # Nothing is known of the ground where there is no brain around, nor far from it.
-    assert not unevenness(slope, whole, whole, 1.0).any()
-    assert not unevenness(slope, np.ones(SHAPE, bool), ball((8, 8, 8), 3), 1.0)[60:, 50:, 50:].any()
+    assert not unevenness(slope, shell(whole, whole, 1.0), 1.0).any()
+    assert not unevenness(slope, shell(ball((8, 8, 8), 3), everywhere, 1.0), 1.0)[60:, 50:, 50:].any()
 
 
 def test_border_lies_at_one_share_of_the_way_on_uneven_ground() -> None:
@@ -242,6 +247,7 @@ def test_border_lies_at_one_share_of_the_way_on_uneven_ground() -> None:
     ground = np.where(INDEX[..., 0] < 35, -step / 2, step / 2)
     field = ndimage.gaussian_filter(np.where(whole, 4.0, ground), 1.5).astype(np.float32)
     everywhere = np.ones(SHAPE, bool)
+    around = shell(whole, everywhere, 1.0)
     box = (slice(0, SHAPE[0]), slice(0, SHAPE[1]), slice(0, SHAPE[2]))
     region = Region(box, whole, everywhere, threshold=LEVEL * 4.0)
 
@@ -254,12 +260,12 @@ def test_border_lies_at_one_share_of_the_way_on_uneven_ground() -> None:
 
     left, right = ends(field)
     assert right - left > 0.4
-    even = on_even_ground(field, everywhere, region, whole, 1.0)
+    even = on_even_ground(field, region, around, 1.0)
     assert even.dtype == np.float32
     left, right = ends(even)
     assert abs(right - left) < 0.2
     # A threshold at its lower bound is higher than this share already, by more than the ground rises.
     bounded = Region(box, whole, everywhere, threshold=3.0, floor=3.0)
-    kept = on_even_ground(field, everywhere, bounded, whole, 1.0)
+    kept = on_even_ground(field, bounded, around, 1.0)
     assert np.array_equal(kept[40:], field[40:])
     assert (kept[24:30, 30, 30] > field[24:30, 30, 30]).all()
